@@ -1,0 +1,52 @@
+# Compiler settings and the functions with which every folder declares itself.
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release)
+endif()
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/bin")
+
+find_program(FIRN_CCACHE ccache)
+if(FIRN_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_C_COMPILER_LAUNCHER "${FIRN_CCACHE}")
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${FIRN_CCACHE}")
+endif()
+
+# firn_warnings: warnings are errors. Private to our own targets.
+add_library(firn_warnings INTERFACE)
+target_compile_options(firn_warnings INTERFACE -Wall -Wextra -Wpedantic -Werror)
+
+# firn_arithmetic: the same bits from g++ and clang. No contraction of a*b+c, no
+# vector code from Eigen (its alignment would differ between translation units
+# compiled for different instruction sets).
+add_library(firn_arithmetic INTERFACE)
+target_compile_options(firn_arithmetic INTERFACE -ffp-contract=off)
+target_compile_definitions(firn_arithmetic INTERFACE EIGEN_DONT_VECTORIZE)
+
+# firn_add_library(NAME SOURCES… [LIBS…]): target firn_NAME, exported as Firn::NAME.
+function(firn_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
+  add_library(firn_${name} ${ARG_SOURCES})
+  add_library(Firn::${name} ALIAS firn_${name})
+  set_target_properties(firn_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(firn_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
+  target_link_libraries(firn_${name} PUBLIC firn_arithmetic ${ARG_LIBS}
+    PRIVATE $<BUILD_INTERFACE:firn_warnings> ${ARG_PRIVATE_LIBS})
+endfunction()
+
+# firn_add_test(NAME SOURCES… LIBS… [LABELS…]): a GoogleTest program, one ctest per case.
+# Label `long` keeps a program out of `./run test`.
+function(firn_add_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;LABELS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE firn_arithmetic firn_warnings ${ARG_LIBS} GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE FIRN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+endfunction()

@@ -1,0 +1,104 @@
+#pragma once
+/// The one interface behind which every solver stands: the reference, the
+/// optimized one, the mutants, and anybody's own.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firn/diagnostics.hpp"
+#include "firn/scene.hpp"
+#include "firn/stage.hpp"
+#include "firn/state.hpp"
+
+namespace firn {
+
+/// Which limit decided Δt.
+enum class TimeStepBound { fixed, max_step, cfl, elastic_cfl };
+std::string_view name(TimeStepBound bound);
+
+struct TimeStep {
+  double dt = 0;  ///< [s]
+  TimeStepBound bound = TimeStepBound::fixed;
+};
+
+/// What a whole step did.
+struct StepReport {
+  double dt = 0;                       ///< [s]
+  std::int64_t grid_nodes = 0;         ///< nodes of positive mass
+  std::int64_t solver_iterations = 0;  ///< semi-implicit solve
+  double solver_residual =
+      0;  ///< true relative residual ‖Mv* − (M+βΔt²H)v‖/‖Mv*‖, recomputed at the end
+  bool solver_indefinite = false;  ///< negative curvature was met
+};
+
+/// What a solver can do. Whoever asks for more gets an InputError.
+struct SolverTraits {
+  std::string name;  ///< as the registry knows it
+  Precision precision = Precision::float64;
+  std::vector<Stage> stops;    ///< stages after which advance_through() can stop, in order; always
+                               ///< ends with `positions`
+  bool semi_implicit = false;  ///< supports semi-implicit scenes
+  bool explicit_euler = true;  ///< supports explicit scenes
+};
+
+/// One simulation in one solver's own data layout.
+///
+/// Life: load() a state, then any number of step()s or advance_through()s,
+/// store() whenever somebody wants to look. A solver is a function: the state
+/// it reaches depends on what it was loaded with and on Δt, never on the number
+/// of threads or on what it did before.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+  Solver() = default;
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  virtual const SolverTraits& traits() const = 0;
+
+  /// Takes over a scene and a state. The state may stand between any two stages
+  /// at which this solver stops (State::next), so that `check` can hand over the
+  /// reference's own input of every stage. Throws InputError if the scene asks
+  /// for what the solver does not support.
+  virtual void load(const Scene& scene, const State& state) = 0;
+
+  /// Δt by the scene's rule (method.md, "Time step") for the present state.
+  virtual TimeStep choose_time_step() = 0;
+
+  /// Runs every stage from the present one up to and including `last`, one of
+  /// traits().stops, with time step dt (the same value until the step is
+  /// complete). Throws SimulationError.
+  virtual StepReport advance_through(Stage last, double dt) = 0;
+
+  /// A whole step by the solver's fastest path; bit for bit what
+  /// advance_through() reaches in ten stages. Throws SimulationError.
+  virtual StepReport step(double dt) { return advance_through(Stage::positions, dt); }
+
+  /// Writes the present state: particles in the order of load(), nodes of
+  /// positive mass sorted by (i,j,k). Between steps the grid may be left empty.
+  virtual void store(State& state) const = 0;
+
+  /// Diagnostics of the present state, between steps. `grid_nodes`, `dt` and
+  /// `solver_iterations` are filled by the caller from the StepReport.
+  virtual Diagnostics diagnostics() const;
+
+  /// What a restart needs beyond State to repeat every bit: a particle order,
+  /// digits that double does not hold. Fixed in size between load() and the
+  /// next load(); 0 for solvers whose State says it all.
+  virtual std::size_t restart_size() const { return 0; }
+  virtual void store_restart(std::span<std::byte> /*bytes*/) const {}
+  /// Called right after load() with what store_restart() wrote at that state.
+  virtual void load_restart(std::span<const std::byte> /*bytes*/) {}
+
+  /// Bytes of memory that the solver holds per particle, all in all; 0 = not counted.
+  virtual double bytes_per_particle() const { return 0; }
+
+ protected:
+  const Scene* scene_ = nullptr;  ///< set by load(); outlives the simulation
+};
+
+}  // namespace firn
