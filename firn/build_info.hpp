@@ -1,0 +1,19 @@
+#pragma once
+/// What this library was built from and with; results and trajectories carry it.
+
+#include <string>
+
+namespace firn {
+
+struct BuildInfo {
+  std::string version;     ///< "0.1.0"
+  std::string git_commit;  ///< abbreviated hash, "+" behind it if the tree had changes; "unknown"
+                           ///< outside git
+  std::string compiler;    ///< "GNU 12.2.0"
+  std::string flags;       ///< of the build type
+  std::string build_type;
+};
+
+const BuildInfo& build_info();
+
+}  // namespace firn
