@@ -1,0 +1,149 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "firn/error.hpp"
+#include "firn/random.hpp"
+#include "firn/scene.hpp"
+
+namespace firn {
+
+namespace {
+
+/// Cells of edge h/n that may hold a part of the shape: indices low … high on
+/// the grid that starts at the scene's origin.
+struct SubCells {
+  double h = 0;
+  int n = 1;
+  Vec3 origin = Vec3::Zero();
+  std::array<std::int64_t, 3> low{}, high{};
+
+  /// Place in sub-cell i at fraction u of its edge: origin + h (i + u)/n.
+  double place(int axis, std::int64_t i, double u) const {
+    return origin[axis] + h * ((static_cast<double>(i) + u) / n);
+  }
+};
+
+// One sub-cell is visited in some 50 ns; beyond this the scene means something else.
+constexpr double largest_number_of_cells = 4e9;
+
+SubCells sub_cells(const GridSettings& grid, const Bounds& bounds, int n) {
+  SubCells cells{grid.spacing, n, grid.origin, {}, {}};
+  double count = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double size = grid.spacing / n;
+    // One more on either side: the quotient is rounded.
+    const double low = std::floor((bounds.min[axis] - grid.origin[axis]) / size) - 1;
+    const double high = std::floor((bounds.max[axis] - grid.origin[axis]) / size) + 1;
+    count *= std::max(0.0, high - low + 1);
+    if (!(count <= largest_number_of_cells && std::abs(low) < 0x1p31 && std::abs(high) < 0x1p31))
+      throw InputError("body", "cells of the grid within its bounds", to_text(count),
+                       "at most " + to_text(largest_number_of_cells));
+    cells.low[axis] = static_cast<std::int64_t>(low);
+    cells.high[axis] = static_cast<std::int64_t>(high);
+  }
+  return cells;
+}
+
+/// Visits the sub-cells with z fastest, then y, then x.
+template <class Visit>
+void for_each_cell(const SubCells& cells, Visit visit) {
+  for (std::int64_t i = cells.low[0]; i <= cells.high[0]; ++i)
+    for (std::int64_t j = cells.low[1]; j <= cells.high[1]; ++j)
+      for (std::int64_t k = cells.low[2]; k <= cells.high[2]; ++k) visit(i, j, k);
+}
+
+/// n with n³ = particles_per_cell, or 0.
+int cube_root(int particles_per_cell) {
+  int n = 1;
+  while (n * n * n < particles_per_cell) ++n;
+  return n * n * n == particles_per_cell ? n : 0;
+}
+
+/// n³ points at the centres of the n³ sub-cells of every cell.
+std::vector<Vec3> sample_lattice(const GridSettings& grid, const Body& body, const Bounds& bounds) {
+  const int n = cube_root(body.particles_per_cell);
+  if (n == 0)
+    throw InputError("body", "particles_per_cell with sampling = \"lattice\"",
+                     std::to_string(body.particles_per_cell), "a cube: 1, 8, 27, 64, …");
+  const SubCells cells = sub_cells(grid, bounds, n);
+  std::vector<Vec3> points;
+  for_each_cell(cells, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    const Vec3 x(cells.place(0, i, 0.5), cells.place(1, j, 0.5), cells.place(2, k, 0.5));
+    if (contains(body.shape, x)) points.push_back(x);
+  });
+  return points;
+}
+
+/// One uniformly random point in each of the n³ sub-cells; where
+/// particles_per_cell is no cube, that many uniform points in each cell.
+std::vector<Vec3> sample_jittered(const GridSettings& grid, const Body& body,
+                                  const Bounds& bounds) {
+  const int n = cube_root(body.particles_per_cell);
+  const SubCells cells = sub_cells(grid, bounds, n > 0 ? n : 1);
+  const int draws = n > 0 ? 1 : body.particles_per_cell;
+  std::vector<Vec3> points;
+  for_each_cell(cells, [&](std::int64_t i, std::int64_t j, std::int64_t k) {
+    for (int draw = 0; draw < draws; ++draw) {
+      const auto random = [&](int axis) { return uniform(body.seed, {i, j, k, draw, axis}); };
+      const Vec3 x(cells.place(0, i, random(0)), cells.place(1, j, random(1)),
+                   cells.place(2, k, random(2)));
+      if (contains(body.shape, x)) points.push_back(x);
+    }
+  });
+  return points;
+}
+
+std::vector<Vec3> sample_points(const GridSettings& grid, const Body& body) {
+  const std::optional<Bounds> within = bounds(body.shape);
+  if (!within) throw InputError("body", "shape", "half-space", "a bounded shape");
+  if (body.sampling == Sampling::poisson)
+    throw InputError("body", "sampling", "poisson", "lattice, jittered");
+  return body.sampling == Sampling::lattice ? sample_lattice(grid, body, *within)
+                                            : sample_jittered(grid, body, *within);
+}
+
+Particles sample_body(const Scene& scene, const Body& body) {
+  const std::vector<Vec3> points = sample_points(scene.grid, body);
+  const double h = scene.grid.spacing;
+  const double volume = h * h * h / body.particles_per_cell;
+  const double mass = scene.materials.at(body.material).density * volume;
+  const Vec3 c = center(body.shape);
+
+  Particles particles;
+  particles.resize(points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    particles.x[p] = points[p];
+    particles.v[p] = body.velocity + body.angular_velocity.cross(points[p] - c);
+    particles.m[p] = mass;
+    if (body.volumes == VolumeSource::exact) particles.V_0[p] = volume;
+  }
+  return particles;
+}
+
+Particles particles_from_file(const Body& body) {
+  Particles particles = body.particles;
+  for (Vec3& v : particles.v) v += body.velocity;
+  return particles;
+}
+
+}  // namespace
+
+Particles sample_bodies(const Scene& scene) {
+  Particles all;
+  for (const Body& body : scene.bodies) {
+    Particles particles =
+        body.sampling == Sampling::from_file ? particles_from_file(body) : sample_body(scene, body);
+    for (std::int32_t& material : particles.material) material = body.material;
+    all.append(particles);
+  }
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    all.x[p] = scene.wrap(all.x[p]);
+    all.id[p] = static_cast<std::int64_t>(p);
+  }
+  return all;
+}
+
+}  // namespace firn
