@@ -1,0 +1,123 @@
+#pragma once
+/// `firn check`: a solver judged against the reference, stage by stage.
+///
+/// Lockstep: the subject starts every stage from the reference's own state, so
+/// errors do not compound, and each field that the stage writes is compared
+/// with a bound derived from the roundoff of that stage's own arithmetic
+/// (bounds.hpp). Free running: both start from the same state and are left
+/// alone; what they may differ by follows from how fast a twin of the reference
+/// departs (free_running.cpp).
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "firn/scene.hpp"
+#include "firn/solver.hpp"
+#include "firn/stage.hpp"
+#include "firn/state.hpp"
+
+namespace firn {
+
+enum class CheckMode { lockstep, free_running };
+
+struct CheckOptions {
+  CheckMode mode = CheckMode::lockstep;
+  std::int64_t steps = 10;      ///< ≥ 1, steps compared
+  std::int64_t start_step = 0;  ///< ≥ 0, the reference runs this far alone first
+  /// Called after each step with the number done; false ends the check there
+  /// (interrupted: the report covers the steps done).
+  std::function<bool(std::int64_t done)> progress;
+};
+
+/// The particle or node, and which of its numbers, with both values.
+struct Place {
+  std::int64_t step = 0;       ///< step under way, counted from 0
+  bool is_node = false;        ///< node or particle
+  std::size_t index = 0;       ///< place in the particle order, or in the sorted node list
+  std::int64_t id = 0;         ///< particle id
+  NodeIndex node;              ///< (i,j,k)
+  int component = 0;           ///< 0 for a scalar, 0…2 of a vector, 0…8 row-major of a matrix
+  double reference_value = 0;  ///< in the field's unit
+  double subject_value = 0;
+  double bound = 0;  ///< allowed |subject − reference|, same unit
+};
+
+/// One field after one stop of the subject, over all steps.
+struct FieldCheck {
+  Stage from = Stage::rasterize;        ///< first stage since the subject was loaded
+  Stage through = Stage::positions;     ///< the stop after which the field is compared
+  Stage written_by = Stage::positions;  ///< the last stage in between that writes it
+  Field field = Field::particle_position;
+  bool kept = false;  ///< no stage in between writes the field: it must be what was loaded
+
+  std::int64_t compared = 0;  ///< numbers compared
+  std::int64_t non_finite = 0;
+  double largest_absolute = 0;  ///< [field's unit]
+  double rms_absolute = 0;
+  double largest_relative = 0;   ///< in units of the step's largest |value| of that field
+  double rms_relative = 0;       ///< rms error over rms value, over all steps
+  double largest_in_bounds = 0;  ///< error over its own bound; > 1 is INVALID
+  double rms_in_bounds = 0;
+  Place worst;  ///< where error over bound is largest
+  bool valid = true;
+};
+
+/// Anything that is not a field's error: a property of the whole step, such as
+/// "step() equals its stages bit for bit".
+struct PropertyCheck {
+  std::string name;
+  std::int64_t compared = 0;
+  bool valid = true;
+  std::string detail;  ///< what went wrong, one line; empty when valid
+};
+
+/// The earliest thing that went wrong, by step, then stage, then field.
+struct Divergence {
+  std::int64_t step = 0;
+  Stage from = Stage::rasterize;     ///< stages that ran since the subject was loaded …
+  Stage through = Stage::positions;  ///< … equal to `from` when the stage is pinned down
+  std::optional<Field> field;        ///< none: an exception, a wrong size, a broken property
+  std::string message;               ///< one line with place, values and bound
+};
+
+struct CheckReport {
+  std::string scene, reference, subject;
+  Precision precision = Precision::float64;  ///< the subject's
+  CheckMode mode = CheckMode::lockstep;
+  std::int64_t steps = 0, start_step = 0;  ///< steps really compared
+  std::size_t particles = 0;
+  std::vector<FieldCheck> fields;  ///< in stage order
+  std::vector<PropertyCheck> properties;
+  std::optional<Divergence> first_divergence;
+
+  bool valid() const { return !first_divergence.has_value(); }
+  std::int64_t compared() const;  ///< numbers compared, all in all
+  /// Largest error in units of its bound, over all fields.
+  double largest_in_bounds() const;
+};
+
+/// Runs the check. Whatever the subject does wrong (an exception, arrays of
+/// wrong size, a non-finite number) ends in an INVALID report. Throws InputError
+/// if options or scene ask for what a solver does not support, and lets the
+/// reference's own SimulationError pass: then nothing is known about the subject.
+CheckReport run_check(const Scene& scene, Solver& reference, Solver& subject,
+                      const CheckOptions& options = {});
+
+/// The same from a state between two steps (a frame of a trajectory).
+CheckReport run_check(const Scene& scene, const State& initial, Solver& reference, Solver& subject,
+                      const CheckOptions& options = {});
+
+/// The table for people: one row per stage and field, the verdict last.
+std::string to_table(const CheckReport& report);
+
+/// The same as JSON text. Non-finite numbers become strings ("nan", "inf").
+std::string to_json(const CheckReport& report);
+
+/// "3 grid_forces" or "3-6 grid_forces..integration": stages that ran between load and stop.
+std::string stage_range(Stage from, Stage through);
+
+}  // namespace firn

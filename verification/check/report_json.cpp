@@ -1,0 +1,102 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "firn/registry.hpp"
+#include "verification/check/check.hpp"
+
+namespace firn {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+/// JSON has no NaN and no infinity; as text they at least stay visible.
+ordered_json finite_or_text(double value) {
+  if (std::isfinite(value)) return value;
+  if (std::isnan(value)) return "nan";
+  return value > 0 ? "inf" : "-inf";
+}
+
+std::string verdict(bool valid) { return valid ? "VALID" : "INVALID"; }
+
+ordered_json place_json(const Place& place) {
+  ordered_json json;
+  json["step"] = place.step;
+  if (place.is_node)
+    json["node"] = {place.node.i, place.node.j, place.node.k};
+  else
+    json["particle"] = place.id;
+  json["index"] = place.index;
+  json["component"] = place.component;
+  json["reference"] = finite_or_text(place.reference_value);
+  json["subject"] = finite_or_text(place.subject_value);
+  json["bound"] = finite_or_text(place.bound);
+  return json;
+}
+
+ordered_json field_json(const FieldCheck& row) {
+  ordered_json json;
+  json["from"] = std::string(name(row.from));
+  json["through"] = std::string(name(row.through));
+  json["written_by"] = row.kept ? ordered_json() : ordered_json(std::string(name(row.written_by)));
+  json["field"] = std::string(name(row.field));
+  json["units"] = std::string(units(row.field));
+  json["compared"] = row.compared;
+  json["non_finite"] = row.non_finite;
+  json["largest_absolute"] = finite_or_text(row.largest_absolute);
+  json["rms_absolute"] = finite_or_text(row.rms_absolute);
+  json["largest_relative"] = finite_or_text(row.largest_relative);
+  json["rms_relative"] = finite_or_text(row.rms_relative);
+  json["largest_in_bounds"] = finite_or_text(row.largest_in_bounds);
+  json["rms_in_bounds"] = finite_or_text(row.rms_in_bounds);
+  if (row.compared > 0) json["worst"] = place_json(row.worst);
+  json["verdict"] = verdict(row.valid);
+  return json;
+}
+
+ordered_json property_json(const PropertyCheck& row) {
+  return {{"name", row.name},
+          {"compared", row.compared},
+          {"verdict", verdict(row.valid)},
+          {"detail", row.detail}};
+}
+
+ordered_json divergence_json(const Divergence& divergence) {
+  ordered_json json;
+  json["step"] = divergence.step;
+  json["from"] = std::string(name(divergence.from));
+  json["through"] = std::string(name(divergence.through));
+  json["field"] =
+      divergence.field ? ordered_json(std::string(name(*divergence.field))) : ordered_json();
+  json["message"] = divergence.message;
+  return json;
+}
+
+}  // namespace
+
+std::string to_json(const CheckReport& report) {
+  ordered_json json;
+  json["scene"] = report.scene;
+  json["reference"] = report.reference;
+  json["subject"] = report.subject;
+  json["precision"] = std::string(name(report.precision));
+  json["mode"] = report.mode == CheckMode::lockstep ? "lockstep" : "free";
+  json["start_step"] = report.start_step;
+  json["steps"] = report.steps;
+  json["particles"] = report.particles;
+  json["compared"] = report.compared();
+  json["largest_in_bounds"] = finite_or_text(report.largest_in_bounds());
+  json["verdict"] = verdict(report.valid());
+  json["first_divergence"] =
+      report.first_divergence ? divergence_json(*report.first_divergence) : ordered_json();
+  json["fields"] = ordered_json::array();
+  for (const FieldCheck& row : report.fields) json["fields"].push_back(field_json(row));
+  json["properties"] = ordered_json::array();
+  for (const PropertyCheck& row : report.properties)
+    json["properties"].push_back(property_json(row));
+  // Names and messages of guests may hold any bytes; invalid UTF-8 is replaced, never thrown at.
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+}  // namespace firn
