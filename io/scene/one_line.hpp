@@ -1,0 +1,14 @@
+#pragma once
+/// Text from outside, made fit for a message.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace firn {
+
+/// `text` on one line: control characters, line separators and broken UTF-8 as
+/// \xNN, cut after `longest` bytes (0: never).
+std::string one_line(std::string_view text, std::size_t longest = 0);
+
+}  // namespace firn

@@ -1,0 +1,33 @@
+#pragma once
+/// The sections of a scene, one function each.
+
+#include <filesystem>
+#include <vector>
+
+#include "firn/scene.hpp"
+#include "io/scene/scene_file.hpp"
+#include "io/scene/toml_table.hpp"
+
+namespace firn {
+
+GridSettings read_grid(const TomlTable& table, double scale);
+TimeSettings read_time(const TomlTable& table, double scale);
+IntegratorSettings read_integrator(const TomlTable& table);
+std::vector<Material> read_materials(const std::vector<TomlTable>& tables);
+
+/// What shapes, bodies and colliders need to know of the rest of the scene.
+struct SceneContext {
+  const Scene& scene;  ///< grid and materials are read
+  const std::filesystem::path& base_dir;
+  const SceneOptions& options;
+};
+
+Body read_body(const TomlTable& table, const SceneContext& context);
+Collider read_collider(const TomlTable& table, const SceneContext& context);
+
+enum class ShapeUse { body, collider };
+
+/// Every shape but `particles`, which is no shape but a list of particles.
+Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext& context);
+
+}  // namespace firn

@@ -1,0 +1,174 @@
+// Scenes from TOML: every key arrives where it belongs, defaults are neutral,
+// and the resolved text gives the same scene again.
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <gtest/gtest.h>
+
+#include "firn/error.hpp"
+#include "io/scene/builtin_scenes.hpp"
+#include "io/scene/scene_file.hpp"
+
+namespace firn {
+namespace {
+
+// Every key of the format, each with a value of its own so that none can stand
+// in for another.
+constexpr const char* full_scene = R"(
+name = "every key"
+gravity = [0.1, 0.2, -9.81]
+[grid]
+spacing = 0.05
+origin = [0.5, 0.25, -0.125]
+periodic = [0.0, 0.4, 0.0]
+[time]
+end = 1.0
+step = 1e-4
+frames_per_second = 48
+[integrator]
+type = "semi-implicit"
+implicitness = 0.5
+tolerance = 1e-6
+max_iterations = 77
+[transfer]
+flip = 0.9
+[[material]]
+name = "snow"
+youngs_modulus = 1.4e5
+poisson_ratio = 0.2
+density = 400
+hardening = 10
+critical_compression = 2.5e-2
+critical_stretch = 7.5e-3
+[[material]]
+name = "rubber \"soft\""
+youngs_modulus = 2e4
+poisson_ratio = 0.3
+density = 900
+hardening = 0
+critical_compression = "inf"
+critical_stretch = inf
+[[body]]
+material = "rubber \"soft\""
+shape = { type = "sphere", center = [0.0, 0.1, 1.0], radius = 0.3 }
+particles_per_cell = 8
+sampling = "jittered"
+seed = 5
+velocity = [1.0, 2.0, 3.0]
+angular_velocity = [0.4, 0.5, 0.6]
+volumes = "exact"
+[[body]]
+material = "snow"
+particles_per_cell = 27
+sampling = "lattice"
+seed = 0
+volumes = "estimated"
+[body.shape]
+type = "box"
+min = [-1, -0.1, 0]
+max = [-0.8, 0.2, 0.3]
+[[collider]]
+shape = { type = "half-space", point = [0.0, 0.0, 0.013], normal = [0.0, 0.6, 0.8] }
+friction = 0.3
+velocity = [0.1, 0.2, 0.3]
+angular_velocity = [0.7, 0.8, 0.9]
+center = [4.0, 5.0, 6.0]
+[[collider]]
+shape = { type = "cylinder", center = [0.0, 0.0, 3.0], axis = [0.0, 2.0, 0.0], radius = 5.0, height = 8.0 }
+sticky = true
+inside = true
+)";
+
+Scene parse(const std::string& text, const SceneOptions& options = {}) {
+  return parse_scene(text, "test.toml", {}, options);
+}
+
+TEST(SceneFile, EveryKeyArrives) {
+  const Scene scene = parse(full_scene);
+  EXPECT_EQ(scene.name, "every key");
+  EXPECT_EQ(scene.gravity, Vec3(0.1, 0.2, -9.81));
+  EXPECT_EQ(scene.grid.spacing, 0.05);
+  EXPECT_EQ(scene.grid.origin, Vec3(0.5, 0.25, -0.125));
+  EXPECT_EQ(scene.grid.periodic, Vec3(0, 0.4, 0));
+  EXPECT_EQ(scene.grid.period_nodes(1), 8);
+  EXPECT_EQ(scene.time.end, 1.0);
+  EXPECT_FALSE(scene.time.adaptive);
+  EXPECT_EQ(scene.time.step, 1e-4);
+  EXPECT_EQ(scene.time.frames_per_second, 48);
+  EXPECT_TRUE(scene.semi_implicit());
+  EXPECT_EQ(scene.integrator.implicitness, 0.5);
+  EXPECT_EQ(scene.integrator.tolerance, 1e-6);
+  EXPECT_EQ(scene.integrator.max_iterations, 77);
+  EXPECT_EQ(scene.flip, 0.9);
+
+  ASSERT_EQ(scene.materials.size(), 2u);
+  const Material& snow = scene.materials[0];
+  EXPECT_EQ(snow.name, "snow");
+  EXPECT_EQ(snow.youngs_modulus, 1.4e5);
+  EXPECT_EQ(snow.poisson_ratio, 0.2);
+  EXPECT_EQ(snow.density, 400);
+  EXPECT_EQ(snow.hardening, 10);
+  EXPECT_EQ(snow.critical_compression, 2.5e-2);
+  EXPECT_EQ(snow.critical_stretch, 7.5e-3);
+  EXPECT_EQ(scene.materials[1].name, "rubber \"soft\"");
+  EXPECT_TRUE(std::isinf(scene.materials[1].critical_compression));
+  EXPECT_TRUE(std::isinf(scene.materials[1].critical_stretch));
+
+  ASSERT_EQ(scene.bodies.size(), 2u);
+  const Body& ball = scene.bodies[0];
+  EXPECT_EQ(ball.material, 1);
+  EXPECT_EQ(std::get<Sphere>(ball.shape).center, Vec3(0, 0.1, 1));
+  EXPECT_EQ(std::get<Sphere>(ball.shape).radius, 0.3);
+  EXPECT_EQ(ball.particles_per_cell, 8);
+  EXPECT_EQ(ball.sampling, Sampling::jittered);
+  EXPECT_EQ(ball.seed, 5u);
+  EXPECT_EQ(ball.velocity, Vec3(1, 2, 3));
+  EXPECT_EQ(ball.angular_velocity, Vec3(0.4, 0.5, 0.6));
+  EXPECT_EQ(ball.volumes, VolumeSource::exact);
+  const Body& box = scene.bodies[1];
+  EXPECT_EQ(box.material, 0);
+  EXPECT_EQ(box.sampling, Sampling::lattice);
+  EXPECT_EQ(box.particles_per_cell, 27);
+  EXPECT_EQ(std::get<Box>(box.shape).min, Vec3(-1, -0.1, 0));
+  EXPECT_EQ(std::get<Box>(box.shape).max, Vec3(-0.8, 0.2, 0.3));
+  EXPECT_EQ(box.volumes, VolumeSource::estimated);
+  EXPECT_EQ(box.velocity, Vec3(0, 0, 0));
+
+  ASSERT_EQ(scene.colliders.size(), 2u);
+  const Collider& plane = scene.colliders[0];
+  EXPECT_EQ(std::get<HalfSpace>(plane.shape).point, Vec3(0, 0, 0.013));
+  EXPECT_EQ(std::get<HalfSpace>(plane.shape).normal, Vec3(0, 0.6, 0.8));
+  EXPECT_EQ(plane.friction, 0.3);
+  EXPECT_FALSE(plane.sticky);
+  EXPECT_FALSE(plane.inside);
+  EXPECT_EQ(plane.velocity, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(plane.angular_velocity, Vec3(0.7, 0.8, 0.9));
+  EXPECT_EQ(plane.center, Vec3(4, 5, 6));
+  const Collider& drum = scene.colliders[1];
+  EXPECT_EQ(std::get<Cylinder>(drum.shape).axis, Vec3(0, 2, 0));
+  EXPECT_EQ(std::get<Cylinder>(drum.shape).height, 8);
+  EXPECT_TRUE(drum.sticky);
+  EXPECT_TRUE(drum.inside);
+  EXPECT_EQ(drum.center, Vec3(0, 0, 3)) << "the shape's centre unless stated";
+}
+
+TEST(SceneFile, ResolvedTextIsAFixedPoint) {
+  const Scene scene = parse(full_scene);
+  const Scene again = parse(scene.toml);
+  EXPECT_EQ(again.toml, scene.toml);
+  EXPECT_EQ(sample_bodies(again).x, sample_bodies(scene).x);
+}
+
+TEST(BuiltinScenes, AreSortedDescribedAndReadable) {
+  ASSERT_FALSE(builtin_scenes().empty());
+  for (const BuiltinScene& scene : builtin_scenes()) {
+    SCOPED_TRACE(scene.name);
+    EXPECT_FALSE(scene.description.empty());
+    const Scene parsed = find_scene(scene.name);
+    EXPECT_EQ(parse(parsed.toml).toml, parsed.toml);
+  }
+}
+
+}  // namespace
+}  // namespace firn
