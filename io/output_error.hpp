@@ -1,0 +1,15 @@
+#pragma once
+/// The third way to fail: the disk.
+
+#include <stdexcept>
+
+namespace firn {
+
+/// A file that was being written cannot be written any further (exit 3). What
+/// was reported as written before is still there.
+class OutputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace firn
