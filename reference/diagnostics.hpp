@@ -1,0 +1,10 @@
+#pragma once
+
+#include "firn/diagnostics.hpp"
+
+namespace firn::reference {
+
+/// As firn::measure(), with the reference's own energy density.
+Diagnostics measure(const Scene& scene, const State& state);
+
+}  // namespace firn::reference

@@ -1,0 +1,21 @@
+#include "reference/failure.hpp"
+
+#include <algorithm>
+
+namespace firn::reference {
+
+void fail_at_particle(Stage stage, std::size_t p, const std::string& what) {
+  throw SimulationError(stage, SimulationError::Subject::particle, static_cast<std::int64_t>(p),
+                        what);
+}
+
+void fail_at_node(Stage stage, const Grid& grid, std::size_t i, const std::string& what) {
+  const auto end = grid.m.begin() + static_cast<std::ptrdiff_t>(i);
+  const auto place = std::count_if(grid.m.begin(), end, [](double m_i) { return m_i > 0; });
+  const NodeIndex& n = grid.node[i];
+  const std::string at = " at node (" + std::to_string(n.i) + ", " + std::to_string(n.j) + ", " +
+                         std::to_string(n.k) + ")";
+  throw SimulationError(stage, SimulationError::Subject::node, place, what + at);
+}
+
+}  // namespace firn::reference

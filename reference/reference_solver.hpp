@@ -1,0 +1,49 @@
+#pragma once
+/// The plain solver against which others are judged: sequential, double
+/// precision, one function per step of the paper.
+
+#include <memory>
+
+#include "firn/registry.hpp"
+#include "firn/solver.hpp"
+#include "reference/stencil.hpp"
+
+namespace firn::reference {
+
+class ReferenceSolver final : public Solver {
+ public:
+  const SolverTraits& traits() const override;
+  void load(const Scene& scene, const State& state) override;
+  TimeStep choose_time_step() override;
+  StepReport advance_through(Stage last, double dt) override;
+  void store(State& state) const override;
+  Diagnostics diagnostics() const override;
+  double bytes_per_particle() const override;
+
+ private:
+  /// Runs one stage: the list of the paper.
+  void run(Stage stage, double dt);
+
+  /// Stencils and the working grid for a state that was loaded in the middle of a step.
+  void resume_step();
+
+  /// Its grid holds every node within reach of a particle, also those of zero
+  /// mass, as soon as a stage has run.
+  State state_;
+  State last_good_;       ///< as it was loaded or as the last complete step left it
+  Stencils stencils_;     ///< of the positions at the beginning of the step
+  bool in_step_ = false;  ///< stencils_ belong to the step under way
+  StepReport report_;     ///< of the step under way
+};
+
+}  // namespace firn::reference
+
+namespace firn {
+
+/// Throws InputError unless the precision is double; `threads` has no effect.
+std::unique_ptr<Solver> make_reference_solver(const SolverOptions& options);
+
+/// "reference", for the composition root to register.
+SolverEntry reference_entry();
+
+}  // namespace firn

@@ -1,0 +1,36 @@
+#include "reference/failure.hpp"
+#include "reference/steps.hpp"
+
+namespace firn::reference {
+
+/// Step 1. Rasterize particle data to the grid (Stomakhin et al. 2013, §4.1 step 1):
+///
+///     m_i = Σ_p m_p w_ip                    [kg]
+///     v_i = (Σ_p v_p m_p w_ip) / m_i        [m/s]
+///
+/// The division makes Σ_i m_i v_i = Σ_p m_p v_p: momentum is conserved. However
+/// light a node is, it takes part; a threshold on m_i would lose exactly the
+/// momentum it cuts off. v_i is kept to the end of the step: step 8 needs it.
+void rasterize(const Particles& particles, const Stencils& stencils, Grid& grid) {
+  grid.m.assign(grid.size(), 0.0);
+  grid.v.assign(grid.size(), Vec3::Zero());
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const double m_p = particles.m[p];
+    const Vec3 v_p = particles.v[p];
+    if (!(m_p > 0 && finite(m_p)))
+      fail_at_particle(Stage::rasterize, p, "mass is " + to_text(m_p) + ", allowed: > 0");
+    if (!finite(v_p)) fail_at_particle(Stage::rasterize, p, "velocity is not finite");
+    stencils.for_each_node(p, [&](std::size_t i, double w_ip) {
+      grid.m[i] += m_p * w_ip;
+      grid.v[i] += m_p * w_ip * v_p;  // momentum until the end of this function
+    });
+  }
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (grid.m[i] == 0) continue;
+    grid.v[i] /= grid.m[i];
+    if (!finite(grid.m[i]) || !finite(grid.v[i]))
+      fail_at_node(Stage::rasterize, grid, i, "mass or velocity is not finite");
+  }
+}
+
+}  // namespace firn::reference

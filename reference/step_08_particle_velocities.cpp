@@ -1,0 +1,30 @@
+#include "reference/failure.hpp"
+#include "reference/steps.hpp"
+
+namespace firn::reference {
+
+/// Step 8. Particle velocities (Stomakhin et al. 2013, §4.1 step 8):
+///
+///     v_PIC  = Σ_i v_i^{n+1} w_ip
+///     v_FLIP = v_p + Σ_i (v_i^{n+1} − v_i^n) w_ip
+///     v_p    = (1 − α) v_PIC + α v_FLIP     [m/s]
+///
+/// v_i^n is the velocity of step 1; the weights are those of time n.
+void particle_velocities(const Scene& scene, const Stencils& stencils, const Grid& grid,
+                         Particles& particles) {
+  const double alpha = scene.flip;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    Vec3 v_PIC = Vec3::Zero();
+    Vec3 change = Vec3::Zero();
+    stencils.for_each_node(p, [&](std::size_t i, double w_ip) {
+      v_PIC += grid.v_new[i] * w_ip;
+      change += (grid.v_new[i] - grid.v[i]) * w_ip;
+    });
+    const Vec3 v_FLIP = particles.v[p] + change;
+    particles.v[p] = (1 - alpha) * v_PIC + alpha * v_FLIP;
+    if (!finite(particles.v[p]))
+      fail_at_particle(Stage::particle_velocities, p, "velocity is not finite");
+  }
+}
+
+}  // namespace firn::reference

@@ -1,0 +1,19 @@
+#include "reference/failure.hpp"
+#include "reference/steps.hpp"
+
+namespace firn::reference {
+
+/// Step 10. Positions (Stomakhin et al. 2013, §4.1 step 10):
+///
+///     x_p = x_p + Δt v_p                    [m]
+///
+/// with the velocity after step 9, wrapped along periodic axes.
+void positions(const Scene& scene, double dt, Particles& particles) {
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Vec3 x_p = particles.x[p] + dt * particles.v[p];
+    if (!finite(x_p)) fail_at_particle(Stage::positions, p, "position is not finite");
+    particles.x[p] = scene.wrap(x_p);
+  }
+}
+
+}  // namespace firn::reference

@@ -1,0 +1,115 @@
+#include "reference/svd.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace firn::reference {
+
+namespace {
+
+constexpr double eps = std::numeric_limits<double>::epsilon();
+
+/// Quadratic convergence needs 4 or 5 sweeps; 20 were never seen.
+constexpr int max_sweeps = 20;
+
+/// Turns columns p and q of B = A V, and of V with them, by the angle which
+/// makes those of B orthogonal and puts the longer one first. Returns whether
+/// anything was done.
+///
+/// With α = |b_p|², β = |b_q|², γ = b_p·b_q the angle obeys tan 2θ = 2γ/(α − β).
+/// Of its two solutions, θ in [−π/4, π/4] keeps the longer column first if
+/// α ≥ β, and the one 90° away from it exchanges the two if α < β. An exchange
+/// counts as a change: the next sweep has to look at all pairs again.
+bool orthogonalize(Mat3& B, Mat3& V, int p, int q, double negligible) {
+  const double alpha = B.col(p).squaredNorm();
+  const double beta = B.col(q).squaredNorm();
+  const double gamma = B.col(p).dot(B.col(q));
+  const bool orthogonal =
+      gamma * gamma <= eps * eps * alpha * beta || std::abs(gamma) <= negligible;
+  if (orthogonal && alpha >= beta) return false;
+
+  double c = 0, s = 1;  // orthogonal, in the wrong order: exchange them
+  if (!orthogonal) {
+    const double d = alpha - beta;
+    const double o = 2 * gamma;
+    const double r = std::sqrt(d * d + o * o);
+    c = d >= 0 ? r + d : std::abs(o);
+    s = d >= 0 ? o : std::copysign(r - d, o);
+    const double norm = std::sqrt(c * c + s * s);
+    c /= norm;
+    s /= norm;
+  }
+  for (Mat3* M : {&B, &V}) {
+    const Vec3 m_p = M->col(p), m_q = M->col(q);
+    M->col(p) = c * m_p + s * m_q;
+    M->col(q) = c * m_q - s * m_p;
+  }
+  return true;
+}
+
+/// Two unit vectors e, f which form a right-handed orthonormal basis (u, e, f)
+/// with the unit vector u (Duff et al. 2017: no branch, accurate for every u).
+void complete_basis(const Vec3& u, Vec3& e, Vec3& f) {
+  const double sign = std::copysign(1.0, u[2]);
+  const double a = -1 / (sign + u[2]);
+  const double b = u[0] * u[1] * a;
+  e = Vec3(1 + sign * u[0] * u[0] * a, sign * b, -sign * u[0]);
+  f = Vec3(b, sign + u[1] * u[1] * a, -u[1]);
+}
+
+/// U and Σ from B = U Σ, whose columns are orthogonal and sorted by length.
+/// Only u1 is a normalized column: u2 is sought in the plane normal to u1 and u3
+/// follows from both, so that U is a rotation even where columns vanish.
+void factor_orthogonal_columns(const Mat3& B, Mat3& U, Vec3& sigma) {
+  sigma[0] = B.col(0).norm();
+  const Vec3 u1 = sigma[0] > 0 ? Vec3(B.col(0) / sigma[0]) : Vec3(Vec3::UnitX());
+  Vec3 e, f;
+  complete_basis(u1, e, f);
+  double y = e.dot(B.col(1)), z = f.dot(B.col(1));
+  const double length = std::sqrt(y * y + z * z);
+  y = length > 0 ? y / length : 0;
+  z = length > 0 ? z / length : 1;
+  U.col(0) = u1;
+  U.col(1) = y * e + z * f;
+  U.col(2) = y * f - z * e;
+  sigma[1] = std::min(length, sigma[0]);
+  sigma[2] = std::clamp(U.col(2).dot(B.col(2)), -sigma[1], sigma[1]);
+}
+
+}  // namespace
+
+Svd svd(const Mat3& A) {
+  Svd result;
+  if (!A.allFinite()) {
+    result.U.setConstant(std::numeric_limits<double>::quiet_NaN());
+    result.V = result.U;
+    result.sigma = result.U.col(0);
+    return result;
+  }
+  // Squares of the entries must neither overflow nor underflow; powers of two scale without error.
+  Mat3 B = A;
+  const double largest = A.cwiseAbs().maxCoeff();
+  int exponent = 0;
+  if (largest > 0x1p100 || (largest < 0x1p-100 && largest > 0)) {
+    std::frexp(largest, &exponent);
+    B = A.unaryExpr([&](double a) { return std::ldexp(a, -exponent); });
+  }
+  // Columns shorter than about ε² σ1 are roundoff of σ1; no angle between them means anything.
+  const double negligible = 0x1p-116 * B.squaredNorm();
+
+  result.V.setIdentity();
+  bool changed = true;
+  for (int sweep = 0; changed && sweep < max_sweeps; ++sweep) {
+    changed = orthogonalize(B, result.V, 0, 1, negligible);
+    changed |= orthogonalize(B, result.V, 0, 2, negligible);
+    changed |= orthogonalize(B, result.V, 1, 2, negligible);
+  }
+  factor_orthogonal_columns(B, result.U, result.sigma);
+  if (exponent != 0)
+    for (double& s : result.sigma) s = std::ldexp(s, exponent);
+  return result;
+}
+
+}  // namespace firn::reference

@@ -1,0 +1,54 @@
+#include "reference/time_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "reference/constitutive.hpp"
+#include "reference/failure.hpp"
+
+namespace firn::reference {
+
+namespace {
+
+double fastest_particle(const Particles& particles) {
+  double fastest = 0;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const double speed = particles.v[p].norm();
+    if (!finite(speed)) fail_at_particle(Stage::rasterize, p, "velocity is not finite");
+    fastest = std::max(fastest, speed);
+  }
+  return fastest;
+}
+
+double fastest_sound(const Scene& scene, const Particles& particles) {
+  double fastest = 0;
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
+    const Lame hardened = lame(material, particles.F_P[p]);
+    const double V_p0 = particles.V_0[p];
+    const double rho_p = V_p0 > 0 ? particles.m[p] / V_p0 : material.density;
+    const double c_p = std::sqrt((hardened.lambda + 2 * hardened.mu) / rho_p);
+    if (!finite(c_p)) fail_at_particle(Stage::grid_forces, p, "sound speed is not finite");
+    fastest = std::max(fastest, c_p);
+  }
+  return fastest;
+}
+
+}  // namespace
+
+TimeStep choose_time_step(const Scene& scene, const Particles& particles) {
+  const TimeSettings& time = scene.time;
+  if (!time.adaptive) return {time.step, TimeStepBound::fixed};
+
+  TimeStep result{time.max_step, TimeStepBound::max_step};
+  const auto limit = [&](double dt, TimeStepBound bound) {
+    if (dt < result.dt) result = {dt, bound};
+  };
+  const double h = scene.grid.spacing;
+  limit(time.cfl * h / fastest_particle(particles), TimeStepBound::cfl);
+  if (!scene.semi_implicit())
+    limit(time.elastic_cfl * h / fastest_sound(scene, particles), TimeStepBound::elastic_cfl);
+  return result;
+}
+
+}  // namespace firn::reference

@@ -1,0 +1,20 @@
+#pragma once
+/// The scene's rule for Δt.
+
+#include "firn/scene.hpp"
+#include "firn/solver.hpp"
+#include "firn/state.hpp"
+
+namespace firn::reference {
+
+/// Δt = min(max_step, cfl·h/max‖v_p‖, elastic_cfl·h/max c_p), or the fixed step,
+/// and which bound held. The last term is the hardened elastic sound speed,
+///
+///     c_p = √((λ_p + 2μ_p)/ρ_p),   ρ_p = m_p/V_p0      [m/s]
+///
+/// and concerns explicit integration only. Before step 2 has estimated V_p0,
+/// ρ_p is the density of the material. Throws SimulationError for a speed that
+/// is not finite.
+TimeStep choose_time_step(const Scene& scene, const Particles& particles);
+
+}  // namespace firn::reference
