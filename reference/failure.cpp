@@ -9,13 +9,19 @@ void fail_at_particle(Stage stage, std::size_t p, const std::string& what) {
                         what);
 }
 
+std::string to_text(const NodeIndex& n) {
+  std::string text = "(";
+  text += std::to_string(n.i) + ", ";
+  text += std::to_string(n.j) + ", ";
+  text += std::to_string(n.k) + ")";
+  return text;
+}
+
 void fail_at_node(Stage stage, const Grid& grid, std::size_t i, const std::string& what) {
   const auto end = grid.m.begin() + static_cast<std::ptrdiff_t>(i);
   const auto place = std::count_if(grid.m.begin(), end, [](double m_i) { return m_i > 0; });
-  const NodeIndex& n = grid.node[i];
-  const std::string at = " at node (" + std::to_string(n.i) + ", " + std::to_string(n.j) + ", " +
-                         std::to_string(n.k) + ")";
-  throw SimulationError(stage, SimulationError::Subject::node, place, what + at);
+  throw SimulationError(stage, SimulationError::Subject::node, place,
+                        what + " at node " + to_text(grid.node[i]));
 }
 
 }  // namespace firn::reference

@@ -17,6 +17,10 @@ namespace firn::reference {
 [[noreturn]] void fail_at_node(Stage stage, const Grid& grid, std::size_t i,
                                const std::string& what);
 
+/// "(i, j, k)"
+std::string to_text(const NodeIndex& n);
+using firn::to_text;
+
 /// True where no component is NaN or infinite: x − x is 0 for finite x only.
 inline bool finite(double x) { return x - x == 0; }
 inline bool finite(const Vec3& v) { return finite(v[0]) && finite(v[1]) && finite(v[2]); }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "firn/error.hpp"
+#include "reference/failure.hpp"
 
 namespace firn::reference {
 
@@ -18,10 +19,6 @@ void for_each_field(GridType& grid, Visit&& visit) {
   visit(grid.v_star);
   visit(grid.free_directions);
   visit(grid.v_new);
-}
-
-std::string to_string(const NodeIndex& n) {
-  return "(" + std::to_string(n.i) + ", " + std::to_string(n.j) + ", " + std::to_string(n.k) + ")";
 }
 
 }  // namespace
@@ -49,7 +46,7 @@ Grid spread_over(const std::vector<NodeIndex>& node, const Grid& grid) {
   for (const NodeIndex& n : grid.node) {
     while (next < node.size() && node[next] < n) ++next;
     if (next == node.size() || !(node[next] == n))
-      throw InputError("state", "grid node", to_string(n),
+      throw InputError("state", "grid node", to_text(n),
                        "nodes within reach of a particle, sorted by (i, j, k)");
     place.push_back(next);
   }

@@ -1,3 +1,5 @@
+#include <Eigen/LU>
+
 #include "reference/constitutive.hpp"
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
