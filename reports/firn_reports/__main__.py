@@ -1,0 +1,58 @@
+"""python -m firn_reports FILE [--check CHECK.json]… [--baseline OLD.h5] [-o DIR]"""
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+
+import h5py
+
+from . import InputError, check, page, trajectory, trajectory_page
+from .trajectory import text_attribute
+
+
+def file_format(path):
+    """The `format` attribute: of /firn in a trajectory, of the root in results."""
+    try:
+        with h5py.File(path) as file:
+            for node in (file, file.get("firn")):
+                if node is not None and "format" in node.attrs:
+                    return text_attribute(node, "format")
+    except OSError as error:
+        reason = "no such file" if not Path(path).exists() else f"not an HDF5 file: {error}".splitlines()[0]
+        raise InputError(f"{path}: {reason}") from None
+    raise InputError(f"{path}: no attribute `format`: allowed: firn-trajectory, firn-results")
+
+
+def parse(arguments):
+    parser = argparse.ArgumentParser("firn report", description="One self-contained HTML page from a trajectory or from results.")
+    parser.add_argument("file", metavar="FILE", help="a trajectory (.vtkhdf) or results (.h5)")
+    parser.add_argument("--check", action="append", default=[], metavar="JSON", help="output of `firn check --json`; may be repeated")
+    parser.add_argument("-o", "--output", default="report", metavar="DIR", help="folder of the page (default: report)")
+    return parser.parse_args(arguments)
+
+
+def report(options, command):
+    kind = file_format(options.file)
+    checks = [check.read(path) for path in options.check]
+    if kind == "firn-trajectory":
+        result, png = trajectory_page.build(trajectory.read(options.file), checks, command)
+        path = page.write(result, options.output)
+        (Path(options.output) / "snowball.png").write_bytes(png)
+        print(path)
+        return 0
+    raise InputError(f"{options.file}: format: got {kind}, allowed: firn-trajectory, firn-results")
+
+
+def main(arguments=None):
+    arguments = sys.argv[1:] if arguments is None else arguments
+    options = parse(arguments)
+    try:
+        return report(options, "firn report " + shlex.join(arguments))
+    except (InputError, OSError) as error:
+        print(f"firn report: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

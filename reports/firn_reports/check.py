@@ -1,0 +1,100 @@
+"""The JSON that `firn check --json` prints: the verdict, the fields that each stage wrote, other properties."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from . import InputError
+from .page import Figure, Mark, Section, Table, number
+from .style import BAD, SERIES, log_axis, panel, to_svg
+
+KIND = {"VALID": "good", "INVALID": "bad"}
+
+
+def read(path):
+    try:
+        check = json.loads(Path(path).read_text(encoding="utf-8"))
+    except json.JSONDecodeError as error:
+        raise InputError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
+    if not isinstance(check, dict) or check.get("verdict") not in KIND or "fields" not in check:
+        raise InputError(f"{path}: no `verdict` and `fields`: allowed: what `firn check --json` prints")
+    return check
+
+
+def mark(check):
+    return Mark(check["verdict"], KIND[check["verdict"]])
+
+
+def name(check):
+    """Which solver was checked against which."""
+    return f"{check.get('subject', '?')} ({check.get('precision', '?')}) against {check.get('reference', '?')}"
+
+
+def sentence(check):
+    """One line for the top of the page."""
+    text = f"{name(check)}, {number(int(check.get('steps', 0)))} steps of {check.get('scene', '?')}, {check.get('mode', '?')}"
+    divergence = check.get("first_divergence")
+    if divergence:
+        return f"{text}: {divergence.get('message') or 'diverges first in ' + divergence.get('through', '?')}"
+    return f"{text}: largest error {number(float(check.get('largest_in_bounds', 0)), 2)} of its bound"
+
+
+def command(check):
+    return (f"firn check {check.get('scene', 'SCENE')} --solver {check.get('subject', '?')} "
+            f"--against {check.get('reference', 'reference')} --precision {check.get('precision', 'double')} "
+            f"--mode {check.get('mode', 'lockstep')} --steps {check.get('steps', 1)} --json")
+
+
+def section(checks):
+    result = Section("check", "Stage by stage against the reference",
+                     "Every field that a stage writes, in units of the bound that roundoff allows it. At 1 the bound is reached.")
+    for i, check in enumerate(checks, 1):
+        result.figures.append(figure(check))
+        result.tables += [fields_table(check, i), properties_table(check, i)]
+    result.tables = [table for table in result.tables if table.rows]
+    return result
+
+
+def stages(row):
+    return row["through"] if row.get("from") == row.get("through") else f"{row.get('from')} … {row.get('through')}"
+
+
+def figure(check):
+    """Largest error of each field, in bounds, worst repetition of each kept."""
+    worst = {}
+    for row in check["fields"]:
+        key = f"{row.get('written_by') or 'kept'}: {row['field'].replace('node_', '').replace('particle_', '')}"
+        worst[key] = max(worst.get(key, 0.0), float(row["largest_in_bounds"]))
+    labels, values = list(worst), np.array(list(worst.values()))
+    plot, axes = panel(4.6, 0.9 + 0.21 * max(len(labels), 4))
+    finite = np.where(np.isfinite(values), np.maximum(values, 1e-4), 1e6)
+    for y, value in enumerate(finite):
+        axes.plot([1e-4, value], [y, y], color=SERIES[0] if value <= 1 else BAD, linewidth=4, solid_capstyle="butt")
+    axes.axvline(1, color=BAD, linewidth=1, linestyle="--")
+    axes.set_yticks(range(len(labels)), labels)
+    axes.set_ylim(len(labels) - 0.5, -0.5)
+    axes.set_xlim(1e-4, max(3, 2 * finite.max(initial=1)))
+    log_axis(axes, "x")
+    axes.set_xlabel("largest error, in units of its bound")
+    axes.grid(False, axis="y")
+    return Figure(name(check), to_svg(plot), command=command(check), caption=sentence(check))
+
+
+def fields_table(check, i):
+    columns = ["stage", "field", "units", "values compared", "largest error", "rms error", "largest relative", "largest in bounds",
+               "rms in bounds", "worst at", "solver", "reference", "verdict"]
+    rows = []
+    for row in check["fields"]:
+        worst = row.get("worst", {})
+        place = f"node {tuple(worst['node'])}" if "node" in worst else f"particle {worst['particle']}" if "particle" in worst else "–"
+        rows.append([stages(row), row["field"], row.get("units"), row.get("compared"), row.get("largest_absolute"), row.get("rms_absolute"),
+                     row.get("largest_relative"), row["largest_in_bounds"], row.get("rms_in_bounds"), place,
+                     worst.get("subject"), worst.get("reference"), Mark(row["verdict"], KIND.get(row["verdict"], "warn"))])
+    return Table(f"check_{i}_fields", f"{name(check)}: fields", columns, rows, command=command(check))
+
+
+def properties_table(check, i):
+    rows = [[row["name"], row["compared"], Mark(row["verdict"], KIND.get(row["verdict"], "warn")), row["detail"]]
+            for row in check.get("properties", [])]
+    return Table(f"check_{i}_properties", f"{name(check)}: properties", ["property", "compared", "verdict", "detail"], rows, command=command(check))

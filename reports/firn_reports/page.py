@@ -1,0 +1,141 @@
+"""What a page is made of: a verdict, tiles of numbers, sections of figures, tables and logs."""
+
+import base64
+import csv
+import io
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import jinja2
+
+
+@dataclass
+class Figure:
+    title: str
+    svg: str = ""
+    png: bytes = b""
+    caption: str = ""
+    command: str = ""   # what measures this again
+    wide: bool = False
+
+    @property
+    def png_url(self):
+        return "data:image/png;base64," + base64.b64encode(self.png).decode()
+
+
+@dataclass
+class Table:
+    name: str            # file name of its CSV, without the ending
+    title: str
+    columns: list        # texts, units in brackets
+    rows: list           # lists of values; a Mark shows as a coloured word
+    caption: str = ""
+    command: str = ""
+    open: bool = False   # long tables are folded
+
+    def csv(self):
+        buffer = io.StringIO()
+        writer = csv.writer(buffer, lineterminator="\n")
+        writer.writerow(self.columns)
+        writer.writerows([["" if v is None else getattr(v, "text", v) for v in row] for row in self.rows])
+        return buffer.getvalue()
+
+    @property
+    def csv_url(self):
+        return "data:text/csv;charset=utf-8;base64," + base64.b64encode(self.csv().encode()).decode()
+
+
+@dataclass
+class Mark:
+    """A word with a meaning: good, bad or warn."""
+    text: str
+    kind: str
+
+    def __str__(self):
+        return self.text
+
+
+@dataclass
+class Code:
+    """A command or path in a table cell."""
+    text: str
+
+    def __str__(self):
+        return self.text
+
+
+@dataclass
+class Tile:
+    label: str
+    value: str
+    note: str = ""
+    kind: str = ""
+    target: str = ""  # id of the section that tells more
+
+
+@dataclass
+class Section:
+    id: str
+    title: str
+    intro: str = ""
+    figures: list = field(default_factory=list)
+    tables: list = field(default_factory=list)
+    logs: list = field(default_factory=list)  # (title, text)
+    command: str = ""
+
+    def empty(self):
+        return not (self.figures or self.tables or self.logs or self.intro)
+
+
+@dataclass
+class Page:
+    title: str
+    subtitle: str = ""
+    verdict: Mark = None
+    sentence: str = ""
+    tiles: list = field(default_factory=list)
+    look_at: list = field(default_factory=list)  # (text, section id)
+    hero: Figure = None
+    sections: list = field(default_factory=list)
+    command: str = ""
+
+
+def number(value, digits=4):
+    """A number as a reader wants it: 12 345, 0.0123, 3.2e-14."""
+    if value is None:
+        return "–"
+    if isinstance(value, (str, Mark, Code)):
+        return value
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f")
+    if value != value:
+        return "not a number"
+    if value == 0 or 1e-3 <= abs(value) < 1e5:
+        return f"{value:.{digits}g}"
+    text = f"{value:.{max(digits - 1, 1)}g}"
+    return re.sub(r"e([+-])0*(\d)", lambda m: "e" + m[1].replace("+", "") + m[2], text)
+
+
+def write(page, directory):
+    """DIR/index.html, one file; the CSV of every table also stands beside it."""
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    page.sections = [section for section in page.sections if not section.empty()]
+    environment = jinja2.Environment(loader=jinja2.PackageLoader("firn_reports"), autoescape=True,
+                                     trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment.filters["number"] = number
+    environment.tests["mark"] = lambda value: isinstance(value, Mark)
+    environment.tests["code"] = lambda value: isinstance(value, Code)
+    environment.tests["numeric"] = lambda value: isinstance(value, (int, float)) and not isinstance(value, bool)
+    css = environment.loader.get_source(environment, "page.css")[0]
+    html = environment.get_template("page.html.jinja").render(page=page, css=css)
+    (directory / "index.html").write_text(html, encoding="utf-8")
+    tables = [table for section in page.sections for table in section.tables]
+    if tables:
+        (directory / "csv").mkdir(exist_ok=True)
+    for table in tables:
+        (directory / "csv" / f"{table.name}.csv").write_text(table.csv(), encoding="utf-8")
+    return directory / "index.html"

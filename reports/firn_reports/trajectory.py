@@ -1,0 +1,92 @@
+"""A trajectory file: the temporal PolyData layout under /VTKHDF and Firn's own part under /firn."""
+
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from . import InputError
+
+DIAGNOSTICS = ["time", "dt", "mass", "momentum", "angular_momentum", "kinetic_energy", "elastic_energy",
+               "gravitational_energy", "center_of_mass", "max_speed", "min_J_E", "max_J_E", "grid_nodes",
+               "solver_iterations"]
+
+
+def text_attribute(node, name, default=""):
+    value = node.attrs.get(name, default)
+    return value.decode() if isinstance(value, bytes) else str(value)
+
+
+@dataclass
+class Frame:
+    time: float
+    x: np.ndarray          # (N,3) m
+    v: np.ndarray          # (N,3) m/s
+    m: np.ndarray          # (N,) kg
+    volume: np.ndarray     # (N,) m³
+    J_P: np.ndarray        # (N,) det F_P
+
+
+@dataclass
+class Trajectory:
+    path: Path
+    facts: dict = field(default_factory=dict)        # attributes of /firn, as text
+    scene: dict = field(default_factory=dict)        # the resolved TOML
+    times: np.ndarray = None                         # of the frames [s]
+    diagnostics: dict = field(default_factory=dict)  # name -> array, one row per step
+    units: dict = field(default_factory=dict)        # name -> text
+    particles: int = 0
+
+    @property
+    def steps(self):
+        """Rows with Δt > 0: a row of the initial state is no step."""
+        return int(np.count_nonzero(self.diagnostics["dt"] > 0))
+
+    def frame(self, index):
+        """Reads one frame; negative indices count from the end."""
+        index = range(len(self.times))[index]
+        with h5py.File(self.path) as file:
+            vtk = file["VTKHDF"]
+            first = int(vtk["Steps/PointOffsets"][index])
+            count = int(vtk["NumberOfPoints"][_part(vtk, index)])
+            rows = slice(first, first + count)
+            data = vtk["PointData"]
+            F_P = data["F_P"][rows].astype(float).reshape(-1, 3, 3)
+            return Frame(float(self.times[index]), vtk["Points"][rows].astype(float),
+                         data["velocity"][rows].astype(float), data["mass"][rows].astype(float),
+                         data["volume"][rows].astype(float), np.linalg.det(F_P))
+
+
+def _part(vtk, index):
+    offsets = vtk.get("Steps/PartOffsets")
+    return int(offsets[index]) if offsets is not None else index
+
+
+def read(path):
+    """Reads everything but the particles, which frame() fetches one frame at a time."""
+    path = Path(path)
+    with h5py.File(path) as file:
+        try:
+            firn, vtk = file["firn"], file["VTKHDF"]
+            # An interrupted file has longer arrays: NSteps and `rows` count what is valid.
+            frames = int(vtk["Steps"].attrs["NSteps"])
+            table = firn["diagnostics"]
+            rows = int(table.attrs["rows"])
+            trajectory = Trajectory(path, times=vtk["Steps/Values"][:frames].astype(float))
+            for name in DIAGNOSTICS:
+                trajectory.diagnostics[name] = table[name][:rows].astype(float)
+                trajectory.units[name] = text_attribute(table[name], "units")
+            if frames < 1:
+                raise InputError(f"{path}: /VTKHDF/Steps/NSteps: got {frames}, allowed: at least 1 frame")
+            trajectory.particles = int(vtk["NumberOfPoints"][_part(vtk, 0)])
+        except KeyError as error:
+            raise InputError(f"{path}: not a complete trajectory: {error.args[0]}") from None
+        trajectory.facts = {name: text_attribute(firn, name) for name in firn.attrs if name != "scene"}
+        scene = text_attribute(firn, "scene")
+    try:
+        trajectory.scene = tomllib.loads(scene)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: /firn scene: not TOML: {error}") from None
+    return trajectory

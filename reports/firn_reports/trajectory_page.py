@@ -1,0 +1,182 @@
+"""The page of one trajectory: what happened, and whether the laws that must hold did."""
+
+import numpy as np
+
+from . import check as checks_json
+from . import snowball
+from .colliders import free_flight_reach
+from .page import Figure, Mark, Page, Section, Table, Tile, number
+from .style import MUTED, legend, log_axis, panel, to_svg
+
+AXES = "xyz"
+
+
+class Laws:
+    """What momentum and centre of mass must be while no collider is in reach.
+
+    p(t) = p0 + M g t, and X_n = X_{n-1} + Δt_n V_n with V_n = V_0 + g t_n: the
+    explicit step adds gravity before it moves (Stomakhin et al. 2013, steps 4
+    and 10). Both hold for any internal state and any FLIP fraction.
+    """
+
+    def __init__(self, trajectory, first):
+        d = trajectory.diagnostics
+        g = np.asarray(trajectory.scene.get("gravity", [0, 0, 0]), float)
+        mass = first.m.sum()
+        p0 = (first.m[:, None] * first.v).sum(axis=0)
+        X0 = (first.m[:, None] * first.x).sum(axis=0) / mass
+        elapsed = d["time"] - first.time
+        self.momentum = p0 + mass * g * elapsed[:, None]
+        self.center = X0 + np.cumsum(d["dt"][:, None] * (p0 / mass + g * elapsed[:, None]), axis=0)
+        scale_p = np.maximum(np.linalg.norm(self.momentum, axis=1), mass * max(np.linalg.norm(first.v, axis=1).max(), 1e-300))
+        self.momentum_error = np.linalg.norm(d["momentum"] - self.momentum, axis=1) / np.maximum(scale_p, 1e-300)
+        scale_x = max(np.linalg.norm(X0), np.ptp(first.x, axis=0).max(), 1e-300)
+        self.center_error = np.linalg.norm(d["center_of_mass"] - self.center, axis=1) / scale_x
+        reach = free_flight_reach(trajectory.scene, first.x)
+        periodic = np.any(trajectory.scene.get("grid", {}).get("periodic", [0]))
+        self.known = reach is not None and not periodic
+        # A rigid estimate: the farthest particle moves as the centre of mass plus its own speed.
+        spread = np.linalg.norm(first.v - p0 / mass, axis=1).max() * elapsed
+        travelled = np.linalg.norm(self.center - X0, axis=1) + spread
+        self.free = travelled < reach if self.known else np.zeros(len(elapsed), bool)
+
+
+def series(trajectory, names, ylabel, title, caption="", labels=None, log=False, flight=None):
+    figure, axes = panel()
+    t = trajectory.diagnostics["time"]
+    for label, name in zip(labels or [n if isinstance(n, str) else None for n in names], names):
+        values = trajectory.diagnostics[name] if isinstance(name, str) else name
+        axes.plot(t, np.maximum(values, 1e-18) if log else values, label=label)
+    if flight is not None and flight.any() and not flight.all():
+        axes.axvline(t[flight][-1], color=MUTED, linestyle=":", linewidth=1)
+    if log:
+        log_axis(axes, "y")
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel(ylabel)
+    if len(names) > 1:
+        legend(axes)
+    return Figure(title, to_svg(figure), caption=caption)
+
+
+def chosen_frames(trajectory, laws):
+    """First, last, and one amid what happens: halfway from the end of free flight to the end."""
+    count = len(trajectory.times)
+    if count < 3:
+        return list(range(count))
+    t = trajectory.diagnostics["time"]
+    start = t[laws.free][-1] if laws.free.any() and not laws.free.all() else trajectory.times[0]
+    middle = start + 0.3 * (trajectory.times[-1] - start)
+    return [0, int(np.clip(np.argmin(abs(trajectory.times - middle)), 1, count - 2)), count - 1]
+
+
+def build(trajectory, checks, command=""):
+    first = trajectory.frame(0)
+    laws = Laws(trajectory, first)
+    d, facts = trajectory.diagnostics, trajectory.facts
+    frames = [trajectory.frame(i) for i in chosen_frames(trajectory, laws)]
+    png = snowball.picture(trajectory.scene, frames)
+    run = run_command(trajectory)
+
+    page = Page(title=trajectory.scene.get("name", trajectory.path.stem), command=command)
+    page.subtitle = (f"{number(trajectory.particles)} particles, {number(trajectory.steps)} steps, "
+                     f"solver {facts.get('solver', '?')} in {facts.get('precision', '?')}")
+    page.hero = Figure("The snow at three moments", png=png, command=run, caption=(
+        "Particles at three moments, coloured by J_P = det F_P: blue where the snow was compacted for good, "
+        "amber where it was pulled apart, white where it is as it fell."))
+    set_verdict(page, checks)
+    page.tiles = tiles(trajectory, laws, checks)
+    page.sections = [physics(trajectory, laws, run)]
+    if checks:
+        page.sections.append(checks_json.section(checks))
+    page.sections.append(Section("facts", "Facts", tables=[fact_table(trajectory, run), diagnostics_table(trajectory, run)]))
+    return page, png
+
+
+def set_verdict(page, checks):
+    if not checks:
+        page.verdict, page.sentence = Mark("not checked", "warn"), "Give --check with the output of `firn check --json`."
+        return
+    bad = [c for c in checks if c["verdict"] != "VALID"]
+    page.verdict = checks_json.mark((bad or checks)[0])
+    page.sentence = "; ".join(checks_json.sentence(c) for c in (bad or checks))
+
+
+def run_command(trajectory):
+    facts = trajectory.facts
+    if facts.get("command"):
+        return facts["command"]
+    scene = facts.get("scene_source", str(trajectory.scene.get("name", "SCENE")).replace(" ", "_"))
+    return (f"firn run {scene} --solver {facts.get('solver', '?')} --precision {facts.get('precision', '?')} "
+            f"--threads {facts.get('threads', '1')} -o {trajectory.path.name}")
+
+
+def tiles(trajectory, laws, checks):
+    d = trajectory.diagnostics
+    energy = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
+    result = [Tile("Simulated", f"{number(float(trajectory.times[-1]))} s", f"{number(trajectory.steps)} steps", target="facts"),
+              Tile("Fastest particle", f"{number(float(d['max_speed'].max()), 3)} m/s", f"at t = {number(float(d['time'][d['max_speed'].argmax()]), 3)} s", target="physics"),
+              Tile("Elastic volume change", f"{number(float(d['min_J_E'].min()), 4)} … {number(float(d['max_J_E'].max()), 4)}", "det F_E over the whole run", target="physics")]
+    if laws.free.any():
+        worst_p, worst_x = laws.momentum_error[laws.free].max(), laws.center_error[laws.free].max()
+        eps = 2.0**-23 if trajectory.facts.get("precision") == "float" else 2.0**-52
+        # Roundoff of a sum over n steps, each exact to a few eps: n·eps, and never below 100 eps.
+        limit = max(trajectory.steps, 100) * eps * 10
+        result += [Tile("Momentum in free flight", number(float(worst_p), 2), "largest relative distance from p0 + M g t",
+                        "good" if worst_p < limit else "bad", "physics"),
+                   Tile("Centre of mass in free flight", number(float(worst_x), 2), "largest relative distance from the closed form",
+                        "good" if worst_x < limit else "bad", "physics")]
+    result.append(Tile("Energy left", f"{number(float(100 * energy[-1] / energy[0]), 3)} %" if energy[0] else "–",
+                       "kinetic + elastic + gravitational, of the first step", target="physics"))
+    return result
+
+
+def physics(trajectory, laws, run):
+    d = trajectory.diagnostics
+    total = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
+    free = laws.free if laws.known else None
+    figures = [
+        series(trajectory, ["kinetic_energy", "elastic_energy", "gravitational_energy", total], "energy [J]", "Energies",
+               "What the total loses goes into plastic work, friction, contact and the damping of the PIC part.",
+               ["kinetic", "elastic", "gravitational", "total"], flight=free),
+        series(trajectory, [laws.momentum_error], "|p − (p0 + M g t)| / |p|", "Momentum against its law",
+               "Gravity is the only outer force until a collider is in reach (dotted): up to there only roundoff may show; "
+               "after it the ground pushes back.", log=True, flight=free),
+        series(trajectory, [laws.center_error], "distance / size", "Centre of mass against free fall",
+               "X0 + Σ Δt (V0 + g t): exact for the discrete scheme whatever happens inside the body, until contact (dotted).",
+               log=True, flight=free),
+        series(trajectory, list(d["center_of_mass"].T), "position [m]", "Centre of mass", labels=list(AXES), flight=free),
+        series(trajectory, ["max_speed"], "max |v_p| [m/s]", "Fastest particle", flight=free),
+        series(trajectory, ["min_J_E", "max_J_E"], "J_E", "Range of det F_E",
+               "The elastic volume ratio stays inside the box that θ_c and θ_s allow, cubed.", ["smallest", "largest"], flight=free),
+        series(trajectory, ["dt"], "Δt [s]", "Time step", flight=free),
+        series(trajectory, ["grid_nodes"], "nodes of positive mass", "Active grid nodes", flight=free),
+        series(trajectory, list(d["angular_momentum"].T), "L [kg m²/s]", "Angular momentum about the origin", labels=list(AXES), flight=free),
+    ]
+    if d["solver_iterations"].any():
+        figures.append(series(trajectory, ["solver_iterations"], "iterations", "Iterations of the semi-implicit solve"))
+    return Section("physics", "What happened, and the laws that must hold", figures=figures, command=run)
+
+
+def fact_table(trajectory, run):
+    rows = [["particles", number(trajectory.particles)], ["steps", number(trajectory.steps)],
+            ["frames", number(len(trajectory.times))], ["end", f"{number(float(trajectory.times[-1]))} s"]]
+    rows += [[name.replace("_", " "), value] for name, value in sorted(trajectory.facts.items())]
+    wall = trajectory.facts.get("wall_time")
+    if wall and float(wall) > 0:
+        rate = trajectory.particles * trajectory.steps / float(wall)
+        rows.insert(2, ["particle-steps per second", number(rate, 3)])
+    return Table("facts", "Run", ["fact", "value"], rows, command=run, open=True)
+
+
+def diagnostics_table(trajectory, run, most=400):
+    """Every step, or evenly chosen rows of a long run."""
+    d = trajectory.diagnostics
+    rows = np.unique(np.linspace(0, len(d["time"]) - 1, min(len(d["time"]), most)).astype(int))
+    columns, values = [], []
+    for name, array in d.items():
+        parts = array.T if array.ndim == 2 else [array]
+        for suffix, part in zip(AXES if array.ndim == 2 else [""], parts):
+            columns.append(f"{name}{'_' if suffix else ''}{suffix} [{trajectory.units[name]}]")
+            values.append(part[rows])
+    return Table("diagnostics", "Diagnostics by step", columns, [[float(v[i]) for v in values] for i in range(len(rows))],
+                 caption="" if len(rows) == len(d["time"]) else f"{len(rows)} of {len(d['time'])} steps, evenly chosen; the file has all.", command=run)

@@ -1,0 +1,19 @@
+import json
+
+import pytest
+
+from firn_reports import synthetic
+
+
+@pytest.fixture(scope="session")
+def trajectory_file(tmp_path_factory):
+    return synthetic.write_trajectory(tmp_path_factory.mktemp("trajectory") / "ball.vtkhdf", particles=800, spare=4)
+
+
+@pytest.fixture
+def check_file(tmp_path):
+    def write(verdict):
+        path = tmp_path / f"{verdict}.json"
+        path.write_text(json.dumps(synthetic.check(verdict)))
+        return path
+    return write
