@@ -148,8 +148,10 @@ def _trace(collider, origin, camera, t):
         going = (phi > 0.02 * camera.pixel) & (depth[active] < far)
         active[active] = going
         if not active.any():
-            break
-    return np.where(depth < far, depth, np.inf)
+            return np.where(depth < far, depth, np.inf)
+    # Rays still under way graze a rim: they hit only what they have come within a pixel of.
+    phi = collider_distance(collider, origin + depth[..., None] * camera.look, t)
+    return np.where((depth < far) & (phi < camera.pixel), depth, np.inf)
 
 
 def _visible(collider, camera):
