@@ -2,22 +2,19 @@
 
 #include <Eigen/Geometry>
 
+#include "firn/rotation.hpp"
+
 namespace firn {
 
-namespace {
-
-Mat3 rotation_at(const Vec3& angular_velocity, double t) {
+Mat3 Collider::rotation(double t) const {
   const double speed = angular_velocity.norm();
   if (speed == 0 || t == 0) return Mat3::Identity();
-  return Eigen::AngleAxisd(speed * t, angular_velocity / speed).toRotationMatrix();
+  return rotation_about(angular_velocity / speed, speed * t);
 }
-
-}  // namespace
 
 Vec3 Collider::to_shape_frame(const Vec3& x, double t) const {
   if (!moves()) return x;
-  const Vec3 from_center = x - (center + t * velocity);
-  return center + rotation_at(angular_velocity, t).transpose() * from_center;
+  return center + rotation(t).transpose() * (x - center_at(t));
 }
 
 double Collider::phi(const Vec3& x, double t) const {
@@ -32,8 +29,8 @@ Contact Collider::contact(const Vec3& x, double t) const {
   contact.phi = sign * signed_distance(shape, X);
   contact.normal = sign * outward_normal(shape, X);
   if (moves()) {
-    contact.normal = rotation_at(angular_velocity, t) * contact.normal;
-    contact.velocity = velocity + angular_velocity.cross(x - (center + t * velocity));
+    contact.normal = rotation(t) * contact.normal;
+    contact.velocity = velocity + angular_velocity.cross(x - center_at(t));
   }
   return contact;
 }

@@ -6,7 +6,7 @@
 
 namespace firn {
 
-/// What a collision test needs to know at one point (method.md, step 5).
+/// What a collision test needs to know at one point (step 5 of the method).
 struct Contact {
   double phi = 0;                ///< signed distance, ≤ 0 inside [m]
   Vec3 normal = Vec3::UnitZ();   ///< n, unit outward normal
@@ -31,6 +31,12 @@ struct Collider {
 
   /// φ, n and v_co = velocity + ω × (x − c(t)) at x and time t.
   Contact contact(const Vec3& x, double t) const;
+
+  /// R(t), a rotation matrix. The same bits from every compiler and C library.
+  Mat3 rotation(double t) const;
+
+  /// c(t) = center + t·velocity [m].
+  Vec3 center_at(double t) const { return center + t * velocity; }
 
   /// A point fixed in space seen from the shape's own frame at time t.
   Vec3 to_shape_frame(const Vec3& x, double t) const;

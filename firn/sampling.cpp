@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 
 #include "firn/error.hpp"
+#include "firn/poisson.hpp"
 #include "firn/random.hpp"
 #include "firn/scene.hpp"
 
@@ -96,13 +98,56 @@ std::vector<Vec3> sample_jittered(const GridSettings& grid, const Body& body,
   return points;
 }
 
+/// x^(1/3) by Newton's method: std::cbrt differs between C libraries.
+double plain_cbrt(double x) {
+  double root = std::max(x, 1.0);
+  for (double last = 2 * root; root < last;) {
+    last = root;
+    root = (2 * root + x / (root * root)) / 3;
+  }
+  return root;
+}
+
+/// Blue noise with a mean of particles_per_cell points in h³, cut out of a
+/// pattern that goes on beyond the shape, so that no layer forms at its surface.
+std::vector<Vec3> sample_poisson(const GridSettings& grid, const Body& body, const Bounds& bounds) {
+  const double radius = grid.spacing * plain_cbrt(poisson_disk_density / body.particles_per_cell);
+  const SubCells cells = sub_cells(grid, bounds, 1);  // for its limit and its place in the world
+  Bounds region = bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (grid.periodic[axis] > 0) continue;
+    region.min[axis] -= 3 * radius;
+    region.max[axis] += 3 * radius;
+  }
+  const std::uint64_t seed = hash_words(body.seed, {cells.low[0], cells.low[1], cells.low[2]});
+  std::vector<Vec3> points;
+  for (const Vec3& x : poisson_disk(region, grid.periodic, radius, seed))
+    if (contains(body.shape, x)) points.push_back(x);
+  return points;
+}
+
+void require_extent_within_period(const GridSettings& grid, const Bounds& bounds) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double extent = bounds.max[axis] - bounds.min[axis], period = grid.periodic[axis];
+    // A box over the whole period may be longer by the rounding of its faces.
+    if (period > 0 && extent > period + 1e-9 * grid.spacing)
+      throw InputError("body", std::string("extent along the periodic axis ") + "xyz"[axis],
+                       to_text(extent), "at most the period, " + to_text(period));
+  }
+}
+
 std::vector<Vec3> sample_points(const GridSettings& grid, const Body& body) {
   const std::optional<Bounds> within = bounds(body.shape);
   if (!within) throw InputError("body", "shape", "half-space", "a bounded shape");
-  if (body.sampling == Sampling::poisson)
-    throw InputError("body", "sampling", "poisson", "lattice, jittered");
-  return body.sampling == Sampling::lattice ? sample_lattice(grid, body, *within)
-                                            : sample_jittered(grid, body, *within);
+  if (!(within->min.array() <= within->max.array()).all()) return {};  // a solid of no points
+  require_extent_within_period(grid, *within);
+  switch (body.sampling) {
+    case Sampling::lattice: return sample_lattice(grid, body, *within);
+    case Sampling::jittered: return sample_jittered(grid, body, *within);
+    case Sampling::poisson: return sample_poisson(grid, body, *within);
+    case Sampling::from_file: break;
+  }
+  throw std::logic_error("sample_points: a body from a file has its particles");
 }
 
 Particles sample_body(const Scene& scene, const Body& body) {
