@@ -1,0 +1,85 @@
+#pragma once
+/// A running error analysis of one time step.
+///
+/// ErrorBounds holds, for every particle and node, how far a correct solver of
+/// the given precision may be from the reference at the present stage boundary.
+/// It starts as the rounding of the loaded state; each stage takes the bounds of
+/// its input, applies its own condition numbers (computed from the reference's
+/// numbers at that particle or node) and adds its own roundoff (roundoff.hpp).
+/// A subject that stops after every stage is loaded afresh each time, so only
+/// one stage's growth counts; one that stops rarely gets the stages' product.
+/// Nothing here is fitted: every term is the first-order propagation of an error
+/// through the stage's equation.
+
+#include <cstddef>
+#include <vector>
+
+#include "firn/scene.hpp"
+#include "firn/state.hpp"
+#include "verification/check/roundoff.hpp"
+#include "verification/check/stencil.hpp"
+
+namespace firn::check {
+
+/// Bounds of the absolute error, in the unit of the field: of each component of
+/// x (per axis), of the Euclidean norm of vectors, of the Frobenius norm of
+/// matrices. Infinity where the method itself is discontinuous (on the edge of a
+/// contact) and nothing can be said.
+struct ErrorBounds {
+  std::vector<Vec3> x;
+  std::vector<double> v, V_0, F_E, F_P;
+  std::vector<double> m_i, v_i, f, v_star, free_directions, v_new;
+
+  /// Mass that rounded positions alone can move to or from a node in step 1 [kg].
+  /// Kept for the whole step: a node lighter than this may be missing on one side.
+  std::vector<double> uncertain_mass;
+};
+
+/// The model at work on one step: stages in order, from `rasterize`.
+class BoundModel {
+ public:
+  BoundModel(const Scene& scene, Precision precision);
+
+  const ErrorBounds& bounds() const { return bounds_; }
+  const Stencils& stencils() const { return stencils_; }
+  const Roundoff& roundoff() const { return r_; }
+
+  /// The subject has just been loaded with `state`.
+  void load(const State& state);
+
+  /// `stage` led from `before` to `after` in the reference, with time step dt.
+  void advance(Stage stage, const State& before, const State& after, double dt);
+
+ private:
+  void rasterize(const State& before, const State& after);
+  void volumes(const State& before, const State& after);
+  void grid_forces(const State& before, const State& after);
+  void grid_velocities(const State& before, const State& after, double dt);
+  void grid_collisions(const State& before, const State& after);
+  void integration(const State& after);
+  void deformation(const State& before, double dt);
+  void particle_velocities(const State& after_integration);
+  void particle_collisions(const State& before);
+  void positions(const State& before, const State& after, double dt);
+
+  const Scene& scene_;
+  Roundoff r_;
+  ErrorBounds bounds_;
+  Stencils stencils_;
+};
+
+/// |x| as positions are rounded: the larger of its distances from zero and from
+/// the grid's origin, and not less than four cells, the size of a block in which
+/// a solver may keep block-local coordinates. Per axis [m].
+Vec3 position_scale(const Scene& scene, const Vec3& x);
+
+/// Step 5 for one velocity: the bound after contact with every collider of the
+/// scene, for a point at x of uncertainty x_error and a velocity of error `error`.
+struct ContactBounds {
+  double v = 0;                ///< of ‖δv‖ after contact
+  double free_directions = 0;  ///< of ‖δ(projector)‖
+};
+ContactBounds contact_bounds(const Scene& scene, const Vec3& x, const Vec3& x_error,
+                             const Vec3& v_before, double error, double time, double eps);
+
+}  // namespace firn::check

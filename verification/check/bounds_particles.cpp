@@ -1,0 +1,90 @@
+/// Error bounds of steps 7, 8 and 10: what the grid gives back to the particles.
+
+#include <algorithm>
+#include <cmath>
+
+#include "verification/check/bounds.hpp"
+#include "verification/check/conditioning.hpp"
+
+namespace firn::check {
+
+/// ∇v_p = Σ v_i (∇w_ip)^T, F̂_E = (I + Δt ∇v_p) F_E, then the plastic return.
+void BoundModel::deformation(const State& before, double dt) {
+  const Particles& p = before.particles;
+  const Grid& grid = before.grid;
+  std::vector<StencilNode> around;
+  for (std::size_t q = 0; q < p.size(); ++q) {
+    stencils_.around(q, around);
+    Vec3 mean = Vec3::Zero();
+    Mat3 L = Mat3::Zero();
+    for (const StencilNode& s : around) {
+      if (s.node < 0) continue;
+      const Vec3& v = grid.v_new[static_cast<std::size_t>(s.node)];
+      mean += s.w * v;
+      L += v * s.grad_w.transpose();
+    }
+    double L_error = 0;
+    for (const StencilNode& s : around) {
+      if (s.node < 0) continue;
+      const auto i = static_cast<std::size_t>(s.node);
+      const double g = s.grad_w.norm();
+      // Roundoff of each ∇w_ip is its own and meets the full |v_i|; an error of the
+      // position changes all of them together with Σ δ∇w_ip = 0, so that only
+      // differences of velocity count.
+      L_error += bounds_.v_new[i] * (g + s.grad_w_error) +
+                 Roundoff::velocity_gradient * r_.eps * grid.v_new[i].norm() * g +
+                 (grid.v_new[i] - mean).norm() * s.grad_w_error;
+    }
+    const Mat3 growth = Mat3::Identity() + dt * L;
+    const double F = p.F_E[q].norm();
+    const double F_hat_error = dt * L_error * F + growth.norm() * bounds_.F_E[q] +
+                               Roundoff::few * r_.eps * growth.norm() * F;
+    const ReturnErrors errors =
+        plastic_return(scene_.materials[static_cast<std::size_t>(p.material[q])], growth * p.F_E[q],
+                       F_hat_error, p.F_P[q], bounds_.F_P[q], r_.eps);
+    bounds_.F_E[q] = errors.F_E;
+    bounds_.F_P[q] = errors.F_P;
+  }
+}
+
+/// v_p = Σ w_ip v_i^{n+1} + α (v_p − Σ w_ip v_iⁿ), the blend of PIC and FLIP sorted
+/// by what is exact: both sums are means with Σ δw_ip = 0.
+void BoundModel::particle_velocities(const State& after_integration) {
+  const Particles& p = after_integration.particles;
+  const Grid& grid = after_integration.grid;
+  const double alpha = scene_.flip;
+  std::vector<StencilNode> around;
+  for (std::size_t q = 0; q < p.size(); ++q) {
+    stencils_.around(q, around);
+    Vec3 mean_new = Vec3::Zero(), mean_old = Vec3::Zero();
+    for (const StencilNode& s : around) {
+      if (s.node < 0) continue;
+      const auto i = static_cast<std::size_t>(s.node);
+      mean_new += s.w * grid.v_new[i];
+      mean_old += s.w * grid.v[i];
+    }
+    double size = alpha * p.v[q].norm(), error = alpha * bounds_.v[q];
+    for (const StencilNode& s : around) {
+      if (s.node < 0) continue;
+      const auto i = static_cast<std::size_t>(s.node);
+      size += s.w * (grid.v_new[i].norm() + alpha * grid.v[i].norm());
+      error +=
+          (s.w + s.w_error) * (bounds_.v_new[i] + alpha * bounds_.v_i[i]) +
+          s.w_error * ((grid.v_new[i] - mean_new).norm() + alpha * (grid.v[i] - mean_old).norm());
+    }
+    bounds_.v[q] = error + Roundoff::particle_velocity * r_.eps * size;
+  }
+}
+
+/// x_p = x_p + Δt v_p.
+void BoundModel::positions(const State& before, const State& after, double dt) {
+  const Particles& p = before.particles;
+  for (std::size_t q = 0; q < p.size(); ++q) {
+    const Vec3 moved = dt * p.v[q].cwiseAbs();
+    bounds_.x[q] +=
+        Vec3::Constant(dt * bounds_.v[q]) +
+        Roundoff::position * r_.eps * (position_scale(scene_, after.particles.x[q]) + moved);
+  }
+}
+
+}  // namespace firn::check

@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <exception>
+#include <fmt/format.h>
+
+#include "verification/check/run.hpp"
+
+namespace firn::check {
+
+bool Recorder::guard(Stage from, Stage through, const std::function<void()>& subject_part) {
+  try {
+    subject_part();
+    return true;
+  } catch (const std::exception& error) {
+    diverged(from, through, {}, fmt::format("the subject threw: {}", error.what()));
+  } catch (...) {
+    diverged(from, through, {}, "the subject threw something that is no std::exception");
+  }
+  return false;
+}
+
+void Recorder::compare(const FieldComparison& comparison, Stage from, Stage through,
+                       Stage written_by, Field field, bool kept) {
+  auto row = std::find_if(rows_.begin(), rows_.end(),
+                          [&](const FieldRow& r) { return r.matches(from, through, field); });
+  if (row == rows_.end()) {
+    rows_.emplace_back(from, through, written_by, field, kept);
+    row = rows_.end() - 1;
+  }
+  comparison.run(*row);
+  if (!row->check().valid)
+    diverged(
+        from, through, field,
+        (kept ? "changed by stages that do not write it: " : "") + describe(row->check().worst));
+}
+
+void Recorder::property(const std::string& name, std::int64_t compared, bool valid,
+                        const std::string& detail) {
+  auto& all = report_.properties;
+  auto row = std::find_if(all.begin(), all.end(),
+                          [&](const PropertyCheck& check) { return check.name == name; });
+  if (row == all.end()) row = all.insert(all.end(), PropertyCheck{name, 0, true, {}});
+  row->compared += compared;
+  if (valid) return;
+  if (row->valid) row->detail = fmt::format("step {}: {}", step_, detail);
+  row->valid = false;
+  diverged(Stage::rasterize, Stage::positions, {}, fmt::format("not so: {}: {}", name, detail));
+}
+
+void Recorder::diverged(Stage from, Stage through, std::optional<Field> field,
+                        const std::string& message) {
+  if (report_.first_divergence) return;
+  report_.first_divergence = Divergence{step_, from, through, field, message};
+}
+
+void Recorder::finish() {
+  for (FieldRow& row : rows_) {
+    row.finish();
+    report_.fields.push_back(row.check());
+  }
+}
+
+}  // namespace firn::check

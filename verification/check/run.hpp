@@ -1,0 +1,51 @@
+#pragma once
+/// The parts of run_check(): the recorder of rows and divergences, and the two modes.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "verification/check/check.hpp"
+#include "verification/check/comparison.hpp"
+
+namespace firn::check {
+
+/// Collects what the modes find. Rows appear in the order in which they first occur;
+/// the first divergence is the first one told.
+class Recorder {
+ public:
+  explicit Recorder(CheckReport& report) : report_(report) {}
+
+  void set_step(std::int64_t step) { step_ = step; }
+  void step_done() { ++report_.steps; }
+  bool failed() const { return report_.first_divergence.has_value(); }
+
+  /// Runs the subject's part. An exception becomes a divergence, and false.
+  bool guard(Stage from, Stage through, const std::function<void()>& subject_part);
+
+  void compare(const FieldComparison& comparison, Stage from, Stage through, Stage written_by,
+               Field field, bool kept);
+
+  void property(const std::string& name, std::int64_t compared, bool valid,
+                const std::string& detail);
+
+  /// Something other than a number out of bounds: wrong shape, exception.
+  void diverged(Stage from, Stage through, std::optional<Field> field, const std::string& message);
+
+  /// Hands the rows to the report.
+  void finish();
+
+ private:
+  CheckReport& report_;
+  std::int64_t step_ = 0;
+  std::vector<FieldRow> rows_;
+};
+
+void run_lockstep(const Scene& scene, State state, Solver& reference, Solver& subject,
+                  const CheckOptions& options, Recorder& recorder);
+
+void run_free(const Scene& scene, State state, Solver& reference, Solver& subject,
+              const CheckOptions& options, Recorder& recorder);
+
+}  // namespace firn::check

@@ -1,0 +1,72 @@
+#include <cmath>
+#include <fmt/format.h>
+
+#include "verification/check/comparison.hpp"
+#include "verification/check/fields.hpp"
+
+namespace firn::check {
+
+namespace {
+
+using Fault = std::optional<std::string>;
+
+Fault particle_fault(const Particles& ours, const Particles& theirs, double mass_tolerance) {
+  const auto wrong = [&](const char* name, std::size_t n) -> Fault {
+    if (n == ours.size()) return {};
+    return fmt::format("{} holds {} entries for {} particles", name, n, ours.size());
+  };
+  for (const Fault& fault :
+       {wrong("x", theirs.x.size()), wrong("v", theirs.v.size()), wrong("m", theirs.m.size()),
+        wrong("V_0", theirs.V_0.size()), wrong("F_E", theirs.F_E.size()),
+        wrong("F_P", theirs.F_P.size()), wrong("id", theirs.id.size()),
+        wrong("material", theirs.material.size())})
+    if (fault) return fault;
+  for (std::size_t p = 0; p < ours.size(); ++p) {
+    if (theirs.id[p] != ours.id[p])
+      return fmt::format("particle {} has id {} instead of {}: order not kept", p, theirs.id[p],
+                         ours.id[p]);
+    if (theirs.material[p] != ours.material[p])
+      return fmt::format("particle {} has material {} instead of {}", p, theirs.material[p],
+                         ours.material[p]);
+    if (!(std::abs(theirs.m[p] - ours.m[p]) <= mass_tolerance * ours.m[p]))
+      return fmt::format("particle {} has mass {:.9g} instead of {:.9g} kg", p, theirs.m[p],
+                         ours.m[p]);
+  }
+  return {};
+}
+
+Fault grid_fault(const Grid& ours, const Grid& theirs) {
+  for (std::size_t i = 1; i < theirs.size(); ++i)
+    if (!(theirs.node[i - 1] < theirs.node[i]))
+      return fmt::format("nodes are not sorted by (i,j,k) at place {}", i);
+  const auto wrong = [&](const char* name, std::size_t n, bool required) -> Fault {
+    if (n == theirs.size() || (n == 0 && !required)) return {};
+    return fmt::format("{} holds {} entries for {} nodes", name, n, theirs.size());
+  };
+  for (const Fault& fault :
+       {wrong("m_i", theirs.m.size(), true), wrong("v_i", theirs.v.size(), !ours.v.empty()),
+        wrong("f_i", theirs.f.size(), false), wrong("v_i_star", theirs.v_star.size(), false),
+        wrong("free_directions", theirs.free_directions.size(), false),
+        wrong("v_i_new", theirs.v_new.size(), false)})
+    if (fault) return fault;
+  return {};
+}
+
+}  // namespace
+
+std::optional<std::string> shape_fault(const State& reference, const State& subject,
+                                       double mass_tolerance) {
+  if (const Fault fault = particle_fault(reference.particles, subject.particles, mass_tolerance))
+    return fault;
+  if (subject.next != reference.next)
+    return fmt::format("stands before stage {} instead of {}", name(subject.next),
+                       name(reference.next));
+  if (subject.step != reference.step)
+    return fmt::format("counts {} steps instead of {}", subject.step, reference.step);
+  if (!(std::abs(subject.time - reference.time) <= mass_tolerance * std::abs(reference.time)))
+    return fmt::format("time is {:.17g} instead of {:.17g} s", subject.time, reference.time);
+  if (reference.next == Stage::rasterize) return {};  // between steps the grid may be anything
+  return grid_fault(reference.grid, subject.grid);
+}
+
+}  // namespace firn::check
