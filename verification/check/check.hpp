@@ -30,7 +30,7 @@ struct CheckOptions {
   std::int64_t start_step = 0;  ///< ≥ 0, the reference runs this far alone first
   /// Called after each step with the number done; false ends the check there
   /// (interrupted: the report covers the steps done).
-  std::function<bool(std::int64_t done)> progress;
+  std::function<bool(std::int64_t done)> progress{};
 };
 
 /// The particle or node, and which of its numbers, with both values.

@@ -1,0 +1,21 @@
+#pragma once
+/// Small scenes in which every stage has work to do.
+
+#include "firn/scene.hpp"
+#include "firn/state.hpp"
+
+namespace firn::test {
+
+/// A lump of some hundred particles with random deformations, partly compressed and
+/// stretched beyond the elastic limits, that slides over and into a tilted plane with
+/// friction and a sticky, rotating sphere. Volumes of every other particle are unknown.
+struct Case {
+  Scene scene;
+  State state;
+};
+Case lump_on_slope();
+
+/// The same without colliders in a box that is periodic along x.
+Case periodic_lump();
+
+}  // namespace firn::test

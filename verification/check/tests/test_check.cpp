@@ -1,0 +1,43 @@
+/// A subject that is right must pass: the reference itself, in ten stops and in one,
+/// and the reference with every number rounded to float where it claims float.
+
+#include <gtest/gtest.h>
+
+#include "firn/error.hpp"
+#include "verification/check/check.hpp"
+#include "verification/check/tests/scenes.hpp"
+#include "verification/check/tests/solvers.hpp"
+
+namespace firn::test {
+namespace {
+
+TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
+  for (const Case& c : {lump_on_slope(), periodic_lump()}) {
+    const auto reference = make_reference(), subject = make_reference();
+    const CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = 3});
+    EXPECT_TRUE(report.valid()) << to_table(report);
+    EXPECT_EQ(report.steps, 3);
+    EXPECT_GT(report.compared(), 0);
+    for (const FieldCheck& row : report.fields) {
+      EXPECT_EQ(row.largest_absolute, 0) << name(row.field);
+      EXPECT_GT(row.compared, 0) << name(row.field);
+    }
+  }
+}
+
+TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
+  for (const Case& c : {lump_on_slope(), periodic_lump()}) {
+    const auto reference = make_reference();
+    Rounding honest(Precision::float32), boastful(Precision::float64);
+    const CheckReport as_float = run_check(c.scene, c.state, *reference, honest, {.steps = 5});
+    EXPECT_TRUE(as_float.valid()) << to_table(as_float);
+    EXPECT_GT(as_float.largest_in_bounds(), 0.01);
+    const CheckReport as_double = run_check(c.scene, c.state, *reference, boastful, {.steps = 5});
+    EXPECT_FALSE(as_double.valid());
+    EXPECT_EQ(as_double.first_divergence->step, 0);
+    EXPECT_EQ(as_double.first_divergence->from, Stage::rasterize);
+  }
+}
+
+}  // namespace
+}  // namespace firn::test
