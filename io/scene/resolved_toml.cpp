@@ -19,11 +19,16 @@ std::string quoted(const std::string& text) {
   return quoted;
 }
 
-std::string number(double value) { return std::isinf(value) ? "\"inf\"" : to_text(value); }
+/// A TOML float: to_text(-0.0) is "-0", which TOML would read as the integer 0.
+std::string number(double value) {
+  if (std::isinf(value)) return "\"inf\"";
+  const std::string text = to_text(value);
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
 
 std::string vector(const Vec3& v) {
   std::ostringstream out;
-  out << '[' << to_text(v.x()) << ", " << to_text(v.y()) << ", " << to_text(v.z()) << ']';
+  out << '[' << number(v.x()) << ", " << number(v.y()) << ", " << number(v.z()) << ']';
   return out.str();
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iomanip>
+#include <sstream>
 #include <system_error>
 
 #include "io/scene/read_scene.hpp"
@@ -55,6 +57,12 @@ toml::table parse_toml(std::string_view text, const std::string& file_name) {
   }
 }
 
+std::string about(double count) {
+  std::ostringstream text;
+  text << "about " << std::setprecision(3) << count;
+  return text.str();
+}
+
 /// Upper bound of a body's particles, from the cells that its bounding box touches.
 double most_particles(const Body& body, double h) {
   if (body.sampling == Sampling::from_file) return static_cast<double>(body.particles.size());
@@ -62,12 +70,18 @@ double most_particles(const Body& body, double h) {
   return (((box.max - box.min) / h).array() + 2).prod() * body.particles_per_cell;
 }
 
-std::size_t count_particles(const Scene& scene, const Body& body) {
+/// Samples the body alone: nothing less tells for sure whether a thin body
+/// catches any point.
+std::size_t count_particles(const TomlTable& table, const Scene& scene, const Body& body) {
   Scene alone;
   alone.grid = scene.grid;
   alone.materials = scene.materials;
   alone.bodies = {body};
-  return sample_bodies(alone).size();
+  try {
+    return sample_bodies(alone).size();
+  } catch (const InputError& error) {
+    throw InputError(table.where() + ": " + error.what());
+  }
 }
 
 void read_bodies(const TomlTable& root, const SceneContext& context, Scene& scene) {
@@ -77,9 +91,9 @@ void read_bodies(const TomlTable& root, const SceneContext& context, Scene& scen
     Body body = read_body(table, context);
     particles += most_particles(body, scene.grid.spacing);
     if (!(particles <= limit))
-      throw InputError(table.where(), "too many particles", "about " + to_text(particles),
+      throw InputError(table.where(), "too many particles", about(particles),
                        "at most " + to_text(limit) + ", counted in bounding boxes");
-    if (count_particles(scene, body) == 0)
+    if (count_particles(table, scene, body) == 0)
       throw InputError(table.where(), "body without particles", "0",
                        "a shape that holds at least one sampling point");
     scene.bodies.push_back(std::move(body));

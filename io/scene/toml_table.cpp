@@ -151,9 +151,9 @@ Vec3 TomlTable::vec3(std::string_view key, const Range& range) const {
   if (array->size() != 3) refuse(key, "wrong length", allowed);
   Vec3 value;
   for (int axis = 0; axis < 3; ++axis) {
-    constexpr std::array<const char*, 3> of_axis = {" of x", " of y", " of z"};
+    constexpr std::array<const char*, 3> in_axis = {" in x", " in y", " in z"};
     value[axis] = checked(*array->get(static_cast<std::size_t>(axis)), key,
-                          of_axis[static_cast<std::size_t>(axis)], range, allowed);
+                          in_axis[static_cast<std::size_t>(axis)], range, allowed);
   }
   return value;
 }

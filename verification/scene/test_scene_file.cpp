@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 
 #include "firn/error.hpp"
 #include "io/scene/builtin_scenes.hpp"
@@ -13,79 +14,17 @@
 namespace firn {
 namespace {
 
-// Every key of the format, each with a value of its own so that none can stand
-// in for another.
-constexpr const char* full_scene = R"(
-name = "every key"
-gravity = [0.1, 0.2, -9.81]
-[grid]
-spacing = 0.05
-origin = [0.5, 0.25, -0.125]
-periodic = [0.0, 0.4, 0.0]
-[time]
-end = 1.0
-step = 1e-4
-frames_per_second = 48
-[integrator]
-type = "semi-implicit"
-implicitness = 0.5
-tolerance = 1e-6
-max_iterations = 77
-[transfer]
-flip = 0.9
-[[material]]
-name = "snow"
-youngs_modulus = 1.4e5
-poisson_ratio = 0.2
-density = 400
-hardening = 10
-critical_compression = 2.5e-2
-critical_stretch = 7.5e-3
-[[material]]
-name = "rubber \"soft\""
-youngs_modulus = 2e4
-poisson_ratio = 0.3
-density = 900
-hardening = 0
-critical_compression = "inf"
-critical_stretch = inf
-[[body]]
-material = "rubber \"soft\""
-shape = { type = "sphere", center = [0.0, 0.1, 1.0], radius = 0.3 }
-particles_per_cell = 8
-sampling = "jittered"
-seed = 5
-velocity = [1.0, 2.0, 3.0]
-angular_velocity = [0.4, 0.5, 0.6]
-volumes = "exact"
-[[body]]
-material = "snow"
-particles_per_cell = 27
-sampling = "lattice"
-seed = 0
-volumes = "estimated"
-[body.shape]
-type = "box"
-min = [-1, -0.1, 0]
-max = [-0.8, 0.2, 0.3]
-[[collider]]
-shape = { type = "half-space", point = [0.0, 0.0, 0.013], normal = [0.0, 0.6, 0.8] }
-friction = 0.3
-velocity = [0.1, 0.2, 0.3]
-angular_velocity = [0.7, 0.8, 0.9]
-center = [4.0, 5.0, 6.0]
-[[collider]]
-shape = { type = "cylinder", center = [0.0, 0.0, 3.0], axis = [0.0, 2.0, 0.0], radius = 5.0, height = 8.0 }
-sticky = true
-inside = true
-)";
+std::string full_scene() {
+  std::ifstream file(FIRN_SOURCE_DIR "/verification/fuzz/corpus/scene/every_key.toml");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
 
 Scene parse(const std::string& text, const SceneOptions& options = {}) {
   return parse_scene(text, "test.toml", {}, options);
 }
 
 TEST(SceneFile, EveryKeyArrives) {
-  const Scene scene = parse(full_scene);
+  const Scene scene = parse(full_scene());
   EXPECT_EQ(scene.name, "every key");
   EXPECT_EQ(scene.gravity, Vec3(0.1, 0.2, -9.81));
   EXPECT_EQ(scene.grid.spacing, 0.05);
@@ -154,10 +93,18 @@ TEST(SceneFile, EveryKeyArrives) {
 }
 
 TEST(SceneFile, ResolvedTextIsAFixedPoint) {
-  const Scene scene = parse(full_scene);
+  const Scene scene = parse(full_scene());
   const Scene again = parse(scene.toml);
   EXPECT_EQ(again.toml, scene.toml);
   EXPECT_EQ(sample_bodies(again).x, sample_bodies(scene).x);
+}
+
+TEST(SceneFile, NegativeZeroKeepsItsSign) {
+  std::string text = full_scene();
+  const std::string from = "velocity = [1.0, 2.0, 3.0]";
+  text.replace(text.find(from), from.size(), "velocity = [-0.0, 2.0, 3.0]");
+  const Scene again = parse(parse(text).toml);
+  EXPECT_TRUE(std::signbit(again.bodies[0].velocity.x()));
 }
 
 TEST(BuiltinScenes, AreSortedDescribedAndReadable) {

@@ -1,0 +1,171 @@
+// docs/bad_input.md is the list of cases: each is run, and must end in an
+// InputError of exactly the message that stands there. FIRN_UPDATE_DOCS=1 writes
+// the messages anew; whoever does that reads the difference.
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <gtest/gtest.h>
+#include <map>
+#include <sstream>
+
+#include "firn/error.hpp"
+#include "io/scene/scene_file.hpp"
+
+namespace firn {
+namespace {
+
+const std::filesystem::path document = FIRN_SOURCE_DIR "/docs/bad_input.md";
+
+std::vector<std::string> read_lines(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The cells of "| a | b | c |", without the backticks of code.
+std::vector<std::string> cells(const std::string& row) {
+  std::vector<std::string> cells;
+  std::string cell;
+  std::istringstream in(row.substr(1));
+  while (std::getline(in, cell, '|')) {
+    const std::size_t first = cell.find_first_not_of(" `"), last = cell.find_last_not_of(" `");
+    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
+  }
+  return cells;
+}
+
+/// \n, \\ and \xHH as they stand in the table.
+std::string unescaped(const std::string& cell) {
+  std::string text;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    if (cell[i] != '\\' || i + 1 == cell.size()) {
+      text += cell[i];
+    } else if (cell[++i] == 'n') {
+      text += '\n';
+    } else if (cell[i] == 'x') {
+      text += static_cast<char>(std::stoi(cell.substr(i + 1, 2), nullptr, 16));
+      i += 2;
+    } else {
+      text += cell[i];
+    }
+  }
+  return text;
+}
+
+/// Visits the rows of the table under a heading; `visit` gives the message,
+/// which must be the last cell. Returns the number of cases.
+int check_table(const std::string& heading,
+                const std::function<std::string(const std::vector<std::string>&)>& visit) {
+  std::vector<std::string> lines = read_lines(document);
+  const bool update = std::getenv("FIRN_UPDATE_DOCS") != nullptr;
+  bool here = false;
+  int cases = 0;
+  for (std::string& line : lines) {
+    if (line.rfind("## ", 0) == 0) here = line == heading;
+    if (!here || line.rfind("| ", 0) != 0 || line.rfind("the message |") != std::string::npos)
+      continue;
+    SCOPED_TRACE(line);
+    const std::vector<std::string> row = cells(line);
+    const std::string message = visit(row);
+    EXPECT_EQ(message.find_first_of("\n\r"), std::string::npos) << "one line";
+    ++cases;
+    if (update) {
+      const std::size_t last = line.rfind('|', line.size() - 2);
+      line = line.substr(0, last) + "| ``" + message + "`` |";
+    } else {
+      EXPECT_EQ(message, row.back());
+    }
+  }
+  if (update) {
+    std::ofstream file(document);
+    for (const std::string& line : lines) file << line << '\n';
+  }
+  return cases;
+}
+
+std::string message_of(const std::function<void()>& read) {
+  try {
+    read();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "read without complaint";
+  return {};
+}
+
+/// The scene in the document's code block.
+std::string good_scene() {
+  std::string scene;
+  bool inside = false;
+  for (const std::string& line : read_lines(document)) {
+    if (line == "```" && inside) break;
+    if (inside) scene += line + "\n";
+    if (line == "```toml") inside = true;
+  }
+  return scene;
+}
+
+TEST(BadInput, TheSceneOfTheDocumentIsGood) {
+  EXPECT_NO_THROW(parse_scene(good_scene(), "scene.toml", {}));
+}
+
+TEST(BadInput, Scenes) {
+  const std::string good = good_scene();
+  const int cases = check_table("## Scenes", [&](const std::vector<std::string>& row) {
+    const std::string from = unescaped(row.at(0)), to = unescaped(row.at(1));
+    const std::size_t at = good.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    EXPECT_EQ(good.find(from, at + 1), std::string::npos) << "twice in the scene: " << from;
+    std::string bad = good;
+    bad.replace(at, from.size(), to);
+    const std::string message = message_of([&] { parse_scene(bad, "scene.toml", {}); });
+    EXPECT_EQ(message.rfind("scene.toml:", 0), 0u) << "file:line first";
+    EXPECT_NE(message.find(": got "), std::string::npos);
+    EXPECT_NE(message.find(", allowed: "), std::string::npos);
+    return message;
+  });
+  EXPECT_GE(cases, 80);
+}
+
+void write(const std::string& name, const std::string& text) {
+  std::ofstream(name, std::ios::binary) << text;
+}
+
+std::string repeated(const std::string& text, int times) {
+  std::string all;
+  for (int i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+TEST(BadInput, Files) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / "firn_bad_input";
+  std::filesystem::create_directories(folder / "folder.toml");
+  std::filesystem::current_path(folder);
+  write("empty.toml", "");
+  write("trajectory.toml", std::string("\x89HDF\r\n\x1a\n\0\0\0\0\0\x08\x08\0", 16));
+  write("blank.toml", std::string(std::size_t{17} << 20, ' '));
+  write("nested.toml", "a = " + repeated("[", 300));
+  write("deep.toml", repeated("a.", 69) + "a = 1");
+
+  const std::map<std::string, std::string> file_of = {
+      {"a file that is not there", "missing.toml"},
+      {"a directory", "folder.toml"},
+      {"an empty file", "empty.toml"},
+      {"a trajectory in place of a scene", "trajectory.toml"},
+      {"17 MiB of blanks", "blank.toml"},
+      {"arrays nested 300 deep", "nested.toml"},
+      {"a key of 70 parts", "deep.toml"},
+      {"a name close to a built-in scene", "snowball_dorp"},
+      {"a name like none", "quicksilver"},
+  };
+  const int cases = check_table("## Files", [&](const std::vector<std::string>& row) {
+    return message_of([&] { find_scene(file_of.at(row.at(0))); });
+  });
+  EXPECT_EQ(cases, static_cast<int>(file_of.size()));
+}
+
+}  // namespace
+}  // namespace firn
