@@ -30,8 +30,9 @@ struct StepReport {
   double dt = 0;                       ///< [s]
   std::int64_t grid_nodes = 0;         ///< nodes of positive mass
   std::int64_t solver_iterations = 0;  ///< semi-implicit solve
-  double solver_residual =
-      0;  ///< true relative residual ‖Mv* − (M+βΔt²H)v‖/‖Mv*‖, recomputed at the end
+  /// True relative residual ‖v* − B v‖/‖v*‖ along the free directions, B v =
+  /// v + βΔt² M⁻¹H v, recomputed at the end; ‖r‖² = Σ m_i |r_i|².
+  double solver_residual = 0;
   bool solver_indefinite = false;  ///< negative curvature was met
 };
 

@@ -17,7 +17,7 @@ const SolverTraits& ReferenceSolver::traits() const {
     t.name = "reference";
     t.precision = Precision::float64;
     t.stops.assign(all_stages.begin(), all_stages.end());
-    t.semi_implicit = false;
+    t.semi_implicit = true;
     return t;
   }();
   return traits;
@@ -43,9 +43,6 @@ void require_valid(const Scene& scene, const State& state) {
 }  // namespace
 
 void ReferenceSolver::load(const Scene& scene, const State& state) {
-  if (scene.semi_implicit() && !traits().semi_implicit)
-    throw InputError("integrator.type", "not supported by solver reference", "semi-implicit",
-                     "explicit");
   require_valid(scene, state);
   scene_ = &scene;
   state_ = state;
@@ -77,7 +74,13 @@ void ReferenceSolver::run(Stage stage, double dt) {
     case Stage::grid_forces: grid_forces(scene, particles, stencils_, grid); break;
     case Stage::grid_velocities: grid_velocities(scene, dt, grid); break;
     case Stage::grid_collisions: grid_collisions(scene, state_.time, grid); break;
-    case Stage::integration: integration(grid); break;
+    case Stage::integration: {
+      const IntegrationReport solve = integration(scene, particles, stencils_, dt, grid);
+      report_.solver_iterations = solve.iterations;
+      report_.solver_residual = solve.residual;
+      report_.solver_indefinite = solve.indefinite;
+      break;
+    }
     case Stage::deformation: deformation(scene, stencils_, grid, dt, particles); break;
     case Stage::particle_velocities: particle_velocities(scene, stencils_, grid, particles); break;
     case Stage::particle_collisions: particle_collisions(scene, state_.time, particles); break;
@@ -159,7 +162,7 @@ SolverEntry reference_entry() {
   return {"reference",
           "the paper's steps one by one: plain, sequential, double precision",
           {Precision::float64},
-          false,
+          true,
           make_reference_solver};
 }
 

@@ -8,6 +8,8 @@
 /// zero mass (a particle exactly two cells away, a weight that underflows) take
 /// no part: their velocities and forces stay 0.
 
+#include <cstdint>
+
 #include "firn/scene.hpp"
 #include "firn/state.hpp"
 #include "reference/stencil.hpp"
@@ -30,8 +32,16 @@ void grid_velocities(const Scene& scene, double dt, Grid& grid);
 /// Step 5: v_i* after contact at time t.
 void grid_collisions(const Scene& scene, double t, Grid& grid);
 
+/// What the solve of step 6 took; all 0 for explicit integration.
+struct IntegrationReport {
+  std::int64_t iterations = 0;
+  double residual = 0;      ///< true relative residual at the end
+  bool indefinite = false;  ///< negative curvature was met
+};
+
 /// Step 6: v_i^{n+1}.
-void integration(Grid& grid);
+IntegrationReport integration(const Scene& scene, const Particles& particles,
+                              const Stencils& stencils, double dt, Grid& grid);
 
 /// Step 7: F_E, F_P.
 void deformation(const Scene& scene, const Stencils& stencils, const Grid& grid, double dt,

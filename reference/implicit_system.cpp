@@ -1,0 +1,50 @@
+#include "reference/implicit_system.hpp"
+
+#include "reference/failure.hpp"
+
+namespace firn::reference {
+
+ImplicitSystem::ImplicitSystem(const Scene& scene, const Particles& particles,
+                               const Stencils& stencils, const Grid& grid, double dt)
+    : stencils_(stencils), grid_(grid), beta_dt2_(scene.integrator.implicitness * dt * dt) {
+  particles_.reserve(particles.size());
+  for (std::size_t p = 0; p < particles.size(); ++p) {
+    const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
+    const Lame hardened = lame(material, particles.F_P[p]);
+    const Mat3& F_E = particles.F_E[p];
+    const double V_p0 = particles.V_0[p];
+    if (!finite(hardened.mu) || !finite(hardened.lambda) || !finite(F_E) || !finite(V_p0))
+      fail_at_particle(Stage::integration, p, "stiffness is not finite");
+    particles_.push_back({V_p0, F_E, StressDifferential(hardened, F_E)});
+  }
+}
+
+NodeField ImplicitSystem::hessian(const NodeField& u) const {
+  NodeField Hu(u.size(), Vec3::Zero());
+  for (std::size_t p = 0; p < particles_.size(); ++p) {
+    const auto& [V_p0, F_E, dP] = particles_[p];
+    Mat3 grad_u_p = Mat3::Zero();
+    stencils_.for_each_node_with_gradient(p, [&](std::size_t i, double, const Vec3& grad_w_ip) {
+      grad_u_p += u[i] * grad_w_ip.transpose();
+    });
+    const Mat3 A_p = dP(grad_u_p * F_E);
+    const Mat3 V_A_FT = V_p0 * A_p * F_E.transpose();
+    stencils_.for_each_node_with_gradient(
+        p, [&](std::size_t i, double, const Vec3& grad_w_ip) { Hu[i] += V_A_FT * grad_w_ip; });
+  }
+  return Hu;
+}
+
+NodeField ImplicitSystem::apply(const NodeField& u) const {
+  NodeField Bu = hessian(u);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    Bu[i] = grid_.m[i] > 0 ? Vec3(u[i] + beta_dt2_ * Bu[i] / grid_.m[i]) : Vec3(Vec3::Zero());
+  return Bu;
+}
+
+NodeField ImplicitSystem::free_part(NodeField u) const {
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = grid_.free_directions[i] * u[i];
+  return u;
+}
+
+}  // namespace firn::reference
