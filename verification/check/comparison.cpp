@@ -76,8 +76,11 @@ void FieldComparison::particles(FieldRow& row, double scale) const {
       place.subject_value = value(subject, field, p, c);
       place.bound = bound(bounds, field, p, c);
       const double period = field == Field::particle_position ? scene.grid.periodic[c] : 0;
-      // x and x ± period are the same place: take the image next to the reference's.
-      if (period > 0 && std::isfinite(place.subject_value))
+      // The two sides of the seam are the same place: take the image next to the
+      // reference's. Elsewhere positions have to be wrapped.
+      const double low = scene.grid.origin[c];
+      if (period > 0 && place.subject_value >= low - place.bound &&
+          place.subject_value <= low + period + place.bound)
         place.subject_value -=
             period * std::round((place.subject_value - place.reference_value) / period);
       row.add(place, scale);
