@@ -1,0 +1,135 @@
+/// firn compare: two trajectories, whoever wrote them.
+
+#include "io/compare.hpp"
+
+#include <cmath>
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "cli/verbs.hpp"
+#include "firn/error.hpp"
+
+namespace firn::cli {
+
+namespace {
+
+struct Arguments {
+  std::string a, b;
+  double tolerance = 0;
+  bool json = false;
+};
+
+/// Same frames, same particles, and no quantity further apart than the tolerance
+/// (0: the same bits).
+bool passes(const TrajectoryComparison& c, double tolerance) {
+  if (c.identical()) return true;
+  if (tolerance == 0 || !c.only_in_a.empty() || !c.only_in_b.empty() ||
+      !c.particle_mismatches.empty())
+    return false;
+  for (const QuantityComparison& q : c.quantities)
+    if (!(q.max_relative <= tolerance)) return false;
+  return true;
+}
+
+std::string values_text(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + to_text(value);
+  return text;
+}
+
+nlohmann::json number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(to_text(value));
+}
+
+nlohmann::json numbers(const std::vector<double>& values) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const double value : values) list.push_back(number(value));
+  return list;
+}
+
+nlohmann::ordered_json to_json(const QuantityComparison& q) {
+  nlohmann::ordered_json object = {{"name", q.name},
+                                   {"units", q.units},
+                                   {"compared", q.compared},
+                                   {"different", q.different},
+                                   {"identical", q.identical},
+                                   {"max_absolute", number(q.max_absolute)},
+                                   {"rms_absolute", number(q.rms_absolute)},
+                                   {"max_relative", number(q.max_relative)},
+                                   {"rms_relative", number(q.rms_relative)}};
+  if (q.first_different_time) object["first_different_time"] = number(*q.first_different_time);
+  if (q.worst)
+    object["worst"] = {{"time", number(q.worst->time)}, {"frame_a", q.worst->frame_a},
+                       {"frame_b", q.worst->frame_b},   {"id", q.worst->id},
+                       {"a", numbers(q.worst->a)},      {"b", numbers(q.worst->b)}};
+  return object;
+}
+
+void print_json(const TrajectoryComparison& c, bool passed) {
+  nlohmann::ordered_json object = {{"passed", passed},
+                                   {"identical", c.identical()},
+                                   {"frames_a", c.frames_a},
+                                   {"frames_b", c.frames_b},
+                                   {"frames_matched", c.frames_matched},
+                                   {"only_in_a", numbers(c.only_in_a)},
+                                   {"only_in_b", numbers(c.only_in_b)}};
+  for (const ParticleMismatch& m : c.particle_mismatches)
+    object["particle_mismatches"].push_back(
+        {{"time", number(m.time)}, {"only_in_a", m.only_in_a}, {"only_in_b", m.only_in_b}});
+  for (const QuantityComparison& q : c.quantities) object["quantities"].push_back(to_json(q));
+  fmt::print("{}\n", object.dump(2));
+}
+
+void print_table(const Arguments& arguments, const TrajectoryComparison& c, bool passed) {
+  fmt::print("A {}: {} frames\nB {}: {} frames; {} matched by time\n", arguments.a, c.frames_a,
+             arguments.b, c.frames_b, c.frames_matched);
+  if (!c.only_in_a.empty()) fmt::print("only in A: t = {} s\n", values_text(c.only_in_a));
+  if (!c.only_in_b.empty()) fmt::print("only in B: t = {} s\n", values_text(c.only_in_b));
+  for (const ParticleMismatch& m : c.particle_mismatches)
+    fmt::print("t = {} s: {} particles only in A, {} only in B\n", to_text(m.time), m.only_in_a,
+               m.only_in_b);
+  fmt::print("{:<10} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11}  {}\n", "quantity", "compared",
+             "different", "max abs", "rms abs", "max rel", "rms rel", "first at");
+  for (const QuantityComparison& q : c.quantities)
+    fmt::print("{:<10} {:>10} {:>10} {:>11.3g} {:>11.3g} {:>11.3g} {:>11.3g}  {}\n", q.name,
+               q.compared, q.different, q.max_absolute, q.rms_absolute, q.max_relative,
+               q.rms_relative,
+               q.first_different_time ? "t = " + to_text(*q.first_different_time) + " s" : "-");
+  for (const QuantityComparison& q : c.quantities)
+    if (q.worst && !q.identical)
+      fmt::print("worst {}: particle {} at t = {} s\n  A {}\n  B {}\n", q.name, q.worst->id,
+                 to_text(q.worst->time), values_text(q.worst->a), values_text(q.worst->b));
+  fmt::print("{}\n", c.identical() ? "IDENTICAL, bit for bit"
+                     : passed      ? "SAME within " + to_text(arguments.tolerance) + " relative"
+                                   : "DIFFERENT");
+}
+
+int run_compare(const Arguments& arguments) {
+  if (!(arguments.tolerance >= 0 && arguments.tolerance < 1e300))
+    throw InputError("--tolerance", "relative difference allowed", to_text(arguments.tolerance),
+                     "finite, at least 0");
+  const TrajectoryComparison comparison = compare_trajectories(arguments.a, arguments.b);
+  const bool passed = passes(comparison, arguments.tolerance);
+  if (arguments.json)
+    print_json(comparison, passed);
+  else
+    print_table(arguments, comparison, passed);
+  return passed ? exit_done : exit_failed;
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, Context& context) {
+  CLI::App* verb = app.add_subcommand(
+      "compare", "compares two trajectories, whoever wrote them; exit 1 if they differ");
+  auto arguments = std::make_shared<Arguments>();
+  verb->add_option("A", arguments->a, "trajectory")->required();
+  verb->add_option("B", arguments->b, "trajectory")->required();
+  verb->add_option("--tolerance", arguments->tolerance,
+                   "largest relative difference that still passes; 0: every bit must be the same")
+      ->capture_default_str();
+  verb->add_flag("--json", arguments->json, "machine-readable");
+  verb->callback([arguments, &context] { context.exit = run_compare(*arguments); });
+}
+
+}  // namespace firn::cli

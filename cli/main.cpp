@@ -1,0 +1,90 @@
+/// firn: simulate, check, compare and measure material point codes for snow.
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "cli/builtin_solvers.hpp"
+#include "cli/verbs.hpp"
+#include "firn/build_info.hpp"
+#include "firn/error.hpp"
+
+namespace {
+
+firn::cli::Context* signal_context = nullptr;
+
+/// First signal: finish the step, write the last good state. Second: the default action.
+extern "C" void on_signal(int signal) {
+  signal_context->stop.store(true);
+  std::signal(signal, SIG_DFL);
+}
+
+/// One line, whatever the text.
+void print_error(std::string text) {
+  for (char& c : text)
+    if (c == '\n' || c == '\r') c = ' ';
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  std::fprintf(stderr, "firn: %s\n", text.c_str());
+}
+
+int run_program(int argc, char** argv, firn::cli::Context& context) {
+  using namespace firn::cli;
+  CLI::App app{
+      "Verification and benchmark harness for snow simulation with the material point method."};
+  app.name("firn");
+  app.set_version_flag("--version", "firn " + firn::build_info().version);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit status: 0 done and passed; 1 a check, comparison or verification failed; 2 bad input "
+      "or\n"
+      "usage, nothing written; 3 the simulation failed and the last good state was written; 130\n"
+      "interrupted, last good state written.  SCENE is a file or a name that `firn scenes` "
+      "prints.");
+  add_run(app, context);
+  add_check(app, context);
+  add_compare(app, context);
+  add_report(app, context);
+  add_info(app, context);
+  add_scenes(app, context);
+  add_solvers(app, context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);  // --help, --version
+  } catch (const CLI::ParseError& error) {
+    print_error(std::string(error.what()) + " (see firn --help)");
+    return exit_bad_input;
+  }
+  return context.exit;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  firn::cli::Context context;
+  signal_context = &context;
+  std::signal(SIGINT, on_signal);
+  std::signal(SIGTERM, on_signal);
+  std::signal(SIGPIPE, SIG_DFL);
+  try {
+    firn::cli::register_builtin_solvers(context.registry);
+    return run_program(argc, argv, context);
+  } catch (const firn::InputError& error) {
+    print_error(error.what());
+    return firn::cli::exit_bad_input;
+  } catch (const firn::SimulationError& error) {
+    print_error(error.what());
+    return firn::cli::exit_simulation;
+  } catch (const std::bad_alloc&) {
+    print_error("out of memory");
+    return firn::cli::exit_simulation;
+  } catch (const std::exception& error) {
+    print_error(std::string("internal error: ") + error.what());
+    return firn::cli::exit_simulation;
+  }
+}

@@ -1,0 +1,57 @@
+#include "cli/options.hpp"
+
+#include "firn/error.hpp"
+#include "firn/machine.hpp"
+#include "io/scene/scene_file.hpp"
+
+namespace firn::cli {
+
+Scene SceneOption::read() const {
+  SceneOptions options;
+  options.scale = scale;
+  return find_scene(name, options);
+}
+
+std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb) {
+  auto option = std::make_shared<SceneOption>();
+  verb.add_option("SCENE", option->name, "a scene file, or a name that `firn scenes` prints")
+      ->required();
+  verb.add_option("--scale", option->scale,
+                  "refinement S: spacing h/S, time step Δt/S, so S³ times the particles")
+      ->capture_default_str();
+  return option;
+}
+
+SolverOptions SolverOption::settings() const {
+  SolverOptions options;
+  if (precision == "double") {
+    options.precision = Precision::float64;
+  } else if (precision == "float") {
+    options.precision = Precision::float32;
+  } else {
+    throw InputError("--precision", "unknown precision", precision, "double or float");
+  }
+  if (threads < 0 || threads > 1024)
+    throw InputError("--threads", "number of threads", std::to_string(threads),
+                     "1 to 1024, or 0 for one per processor");
+  options.threads = threads == 0 ? available_processors() : threads;
+  return options;
+}
+
+std::unique_ptr<Solver> SolverOption::create(const Registry& registry) const {
+  return registry.create(name, settings());
+}
+
+std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver) {
+  auto option = std::make_shared<SolverOption>();
+  option->name = default_solver;
+  verb.add_option("--solver", option->name, "a name that `firn solvers` prints")
+      ->capture_default_str();
+  verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
+  verb.add_option("--threads", option->threads,
+                  "threads; 0 = one per processor; the result does not depend on it")
+      ->capture_default_str();
+  return option;
+}
+
+}  // namespace firn::cli

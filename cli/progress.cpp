@@ -1,0 +1,47 @@
+#include "cli/progress.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fmt/core.h>
+#include <unistd.h>
+
+namespace firn::cli {
+
+ProgressBar::ProgressBar(std::string title)
+    : title_(std::move(title)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
+
+void ProgressBar::show(double fraction, const std::string& detail) {
+  if (!is_terminal_) return;
+  const auto now = Clock::now();
+  if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
+  last_ = now;
+  drawn_ = true;
+  fraction = std::clamp(fraction, 0.0, 1.0);
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  constexpr int width = 24;
+  const int filled = static_cast<int>(fraction * width);
+  std::string bar(static_cast<std::size_t>(filled), '#');
+  bar.resize(width, '.');
+  const std::string left =
+      fraction > 0.005 ? duration_text(elapsed * (1 - fraction) / fraction) + " left" : "";
+  fmt::print(stderr, "\r\033[K{} [{}] {:3.0f} %  {}  {}", title_, bar, 100 * fraction, detail,
+             left);
+  std::fflush(stderr);
+}
+
+void ProgressBar::finish() {
+  if (!drawn_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  drawn_ = false;
+}
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long long>(std::ceil(std::max(0.0, seconds)));
+  if (whole >= 3600) return fmt::format("{} h {:02} min", whole / 3600, whole % 3600 / 60);
+  if (whole >= 60) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} s", whole);
+}
+
+}  // namespace firn::cli
