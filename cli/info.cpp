@@ -9,7 +9,6 @@
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/machine.hpp"
-#include "optimized/optimized_solver.hpp"
 
 namespace firn::cli {
 
@@ -32,11 +31,11 @@ Rows info_rows() {
           {"flags", build.flags},
           {"processor", processor_name()},
           {"processors", std::to_string(available_processors())},
-          {"instruction_set", optimized_target_name()},
+          {"instruction_set", std::string("-")},
           {"eigen",
            fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
           {"hdf5", hdf5_version()},
-          {"openvdb", FIRN_HAS_OPENVDB ? "yes" : "no: mesh and level-set shapes are refused"}};
+          {"openvdb", false ? "yes" : "no: mesh and level-set shapes are refused"}};
 }
 
 void print_info(bool json) {

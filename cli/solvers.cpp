@@ -1,6 +1,6 @@
 /// firn solvers: what is registered.
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "cli/verbs.hpp"
@@ -9,21 +9,18 @@ namespace firn::cli {
 
 namespace {
 
-std::string precisions(const SolverEntry& entry) {
-  std::string text;
-  for (const Precision p : entry.precisions)
-    text += (text.empty() ? "" : ",") + std::string(name(p));
-  return text;
+std::vector<std::string_view> precisions(const SolverEntry& entry) {
+  std::vector<std::string_view> names;
+  for (const Precision p : entry.precisions) names.push_back(name(p));
+  return names;
 }
 
 void print_solvers(const Registry& registry, bool json) {
   if (json) {
     nlohmann::json list = nlohmann::json::array();
     for (const SolverEntry& entry : registry.entries()) {
-      nlohmann::json names = nlohmann::json::array();
-      for (const Precision p : entry.precisions) names.push_back(name(p));
       list.push_back({{"name", entry.name},
-                      {"precisions", names},
+                      {"precisions", precisions(entry)},
                       {"semi_implicit", entry.semi_implicit},
                       {"description", entry.description}});
     }
@@ -31,7 +28,8 @@ void print_solvers(const Registry& registry, bool json) {
     return;
   }
   for (const SolverEntry& entry : registry.entries())
-    fmt::print("{:<12} {:<13} {:<23} {}\n", entry.name, precisions(entry),
+    fmt::print("{:<12} {:<13} {:<23} {}\n", entry.name,
+               fmt::format("{}", fmt::join(precisions(entry), ",")),
                entry.semi_implicit ? "explicit,semi-implicit" : "explicit", entry.description);
 }
 
