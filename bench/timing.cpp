@@ -1,0 +1,132 @@
+#include "bench/timing.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "firn/error.hpp"
+#include "firn/machine.hpp"
+
+namespace firn::bench {
+
+std::string Subject::text() const {
+  return solver + "," + std::string(name(precision)) + "," + std::to_string(threads) + "T";
+}
+
+std::unique_ptr<Solver> Subject::create(const Registry& registry) const {
+  return registry.create(solver, SolverOptions{precision, threads});
+}
+
+void Subject::describe(results::Case& result) const {
+  result.parameters.emplace_back("solver", solver);
+  result.parameters.emplace_back("precision", std::string(name(precision)));
+  result.parameters.emplace_back("threads", static_cast<double>(threads));
+}
+
+std::vector<Subject> subjects(const Registry& registry, const Options& options,
+                              bool all_thread_counts) {
+  const int most = options.max_threads > 0 ? options.max_threads : available_processors();
+  std::vector<Subject> result;
+  for (const SolverEntry& entry : registry.entries()) {
+    const auto& wanted = options.solvers;
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), entry.name) == wanted.end())
+      continue;
+    for (const Precision precision : entry.precisions)
+      for (int threads = 1; threads <= most; threads *= 2) {
+        if (threads > 1 && (!all_thread_counts || entry.name == "reference")) break;
+        result.push_back({entry.name, precision, threads});
+      }
+  }
+  return result;
+}
+
+std::string short_count(std::size_t particles) {
+  if (particles >= 1'000'000) return to_text(static_cast<double>(particles) / 1e6) + " M";
+  return to_text(static_cast<double>(particles) / 1e3) + " k";
+}
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Timed::Timed(const Registry& registry, const Subject& subject, const Workload& work)
+    : work_(work), solver_(subject.create(registry)) {
+  reload();
+}
+
+void Timed::reload() {
+  solver_->load(work_.scene, work_.state);
+  steps_left_ = work_.steps_allowed;
+  // The first step allocates and sorts; it is paid once per simulation and not timed.
+  for (int warm = 0; warm < 2; ++warm) {
+    const double start = seconds_now();
+    solver_->step(work_.scene.time.step);
+    last_step_ = seconds_now() - start;
+    --steps_left_;
+  }
+}
+
+double Timed::repetition(double least) {
+  if (interrupted()) throw Interrupted{};
+  const int most = work_.steps_allowed / 4;
+  const int steps = std::clamp(static_cast<int>(std::ceil(least / last_step_)), 1, most);
+  if (steps_left_ < steps) reload();
+  const double start = seconds_now();
+  for (int i = 0; i < steps; ++i) solver_->step(work_.scene.time.step);
+  last_step_ = (seconds_now() - start) / steps;
+  steps_left_ -= steps;
+  return last_step_;
+}
+
+namespace {
+
+struct Largest {
+  double value = 0;
+  const char* what = "nothing";
+  void take(double error, const char* name) {
+    if (!(error <= value)) value = error, what = name;  // NaN is taken, too
+  }
+};
+
+}  // namespace
+
+void validate(const Registry& registry, const Subject& subject, Deformation deformation,
+              std::uint64_t seed, results::Case& result) {
+  const Workload work = block(8000, deformation, seed);
+  const Subject plain{"reference", Precision::float64, 1};
+  State mine, theirs;
+  for (auto [who, state] : {std::pair{&subject, &mine}, std::pair{&plain, &theirs}}) {
+    const auto solver = who->create(registry);
+    solver->load(work.scene, work.state);
+    solver->step(work.scene.time.step);
+    solver->store(*state);
+  }
+  // Every value is a sum over ≤ 64 nodes of sums over ≤ 512 particles, and momentum is
+  // divided by masses that cancel nothing: √(64·512) ≈ 200 roundoffs, allowed 1000.
+  const double eps = subject.precision == Precision::float32 ? 0x1p-23 : 0x1p-52;
+  const double h = work.scene.grid.spacing;
+  double v_max = 0;
+  for (const Vec3& v : theirs.particles.v) v_max = std::max(v_max, v.norm());
+  Largest worst;
+  std::size_t yielded = 0;
+  for (std::size_t p = 0; p < theirs.particles.size(); ++p) {
+    const Particles &a = mine.particles, &b = theirs.particles;
+    worst.take((a.x[p] - b.x[p]).norm() / h, "x/h");
+    worst.take((a.v[p] - b.v[p]).norm() / v_max, "v/v_max");
+    worst.take((a.F_E[p] - b.F_E[p]).norm(), "F_E");
+    worst.take((a.F_P[p] - b.F_P[p]).norm(), "F_P");
+    // Clamping shifts F_P by the strain of one step; roundoff by far less.
+    yielded += (b.F_P[p] - work.state.particles.F_P[p]).norm() > 1e-5;
+  }
+  const double share = static_cast<double>(yielded) / static_cast<double>(theirs.particles.size());
+  const bool as_promised = deformation == Deformation::elastic ? share == 0 : share == 1;
+  const bool agrees = worst.value <= 1000 * eps;
+  result.validation = "one step against the reference: largest difference " +
+                      to_text(worst.value / eps) + " eps in " + worst.what +
+                      ", allowed 1000; share of particles that yielded " + to_text(share);
+  if (agrees && as_promised) return;
+  result.status = results::Status::invalid;
+  result.message = agrees ? "the block does not deform as promised" : "differs from the reference";
+}
+
+}  // namespace firn::bench
