@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace firn::kernels {
 namespace HWY_NAMESPACE {
 
-/// e^x within 1 ulp. x = n ln 2 + r, |r| ≤ ln 2 / 2; e^r = 1 + r + r² q(r); 2^n in two
+/// e^x within 1.05 ulp. x = n ln 2 + r, |r| ≤ ln 2 / 2; e^r = 1 + r + r² q(r); 2^n in two
 /// factors, so that results pass through the denormal range to 0 and overflow to +infinity
 /// exactly where e^x does. NaN stays NaN.
 template <class D, class V = hn::Vec<D>>

@@ -72,7 +72,10 @@ HWY_INLINE void clamp_functions(D d, const Sym3<V>& E, V J_minus_1,
                                 hn::Mask<D>& changed, hn::Mask<D>& safe) {
   const V one = constant(d, 1), half = constant(d, 0.5);
   const V mean = ((E.xx + E.yy) + E.zz) * constant(d, 1.0 / 3);
-  const V x = E.xx - mean, y = E.yy - mean, z = E.zz - mean;
+  // The deviator from differences of the diagonal: its trace vanishes to roundoff of its own size,
+  // which E − mean I does not give where E is nearly isotropic.
+  const V xy = E.xx - E.yy, xz = E.xx - E.zz;
+  const V x = (xy + xz) * constant(d, 1.0 / 3), y = x - xy, z = x - xz;
   const V off = MulAdd(E.yz, E.yz, MulAdd(E.xz, E.xz, E.xy * E.xy));
   const V diagonal = MulAdd(z, z, MulAdd(y, y, x * x));
   const V p = hn::Max(MulAdd(constant(d, 1.0 / 6), diagonal, constant(d, 1.0 / 3) * off),
