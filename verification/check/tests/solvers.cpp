@@ -1,10 +1,19 @@
 #include "verification/check/tests/solvers.hpp"
 
-#include "reference/reference_solver.hpp"
+#include "cli/builtin_solvers.hpp"
 
 namespace firn::test {
 
-std::unique_ptr<Solver> make_reference() { return make_reference_solver({}); }
+const Registry& registry() {
+  static const Registry registry = [] {
+    Registry all;
+    cli::register_builtin_solvers(all);
+    return all;
+  }();
+  return registry;
+}
+
+std::unique_ptr<Solver> make_reference() { return registry().create("reference", {}); }
 
 Mistaken::Mistaken(Stage stage, Mistake mistake, std::vector<Stage> stops, Precision precision)
     : stage_(stage), mistake_(std::move(mistake)), inner_(make_reference()) {

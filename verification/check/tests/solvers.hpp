@@ -11,6 +11,9 @@
 
 namespace firn::test {
 
+/// The built-in solvers.
+const Registry& registry();
+
 std::unique_ptr<Solver> make_reference();
 
 /// What a mistake may look at and spoil: the state before the stage and after it.

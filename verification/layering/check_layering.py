@@ -1,0 +1,104 @@
+#!/usr/bin/env python3
+"""Rejects an #include that crosses the layout's arrows (docs/architecture.md).
+
+    firn <- reference        firn <- optimized        these two never see each other
+    io reads and writes files and knows no solver
+    verification and bench reach solvers through the composition root only, except the
+    unit suites of a solver's own parts
+    cli/builtin_solvers.cpp is the one place that names concrete solvers
+    reports is Python and reads HDF5 and nothing else
+
+Usage: check_layering.py ROOT; prints one line per crossing and exits 1 if there is any.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+FOLDERS = ("firn", "reference", "optimized", "io", "verification", "bench", "cli", "reports",
+           "teach", "web")
+
+# Folder (the longest match counts) -> what its files may include besides that folder itself.
+# An entry is a folder or one header.
+ROOT_OF_SOLVERS = "cli/builtin_solvers.hpp"
+ALLOWED = {
+    "firn": [],
+    "reference": ["firn"],
+    "optimized": ["firn"],
+    "io": ["firn"],
+    "verification": ["firn", "io", ROOT_OF_SOLVERS],
+    "verification/check": ["firn"],
+    "verification/check/tests": ["firn", "io", "verification/check", ROOT_OF_SOLVERS],
+    "verification/reference": ["firn", "io", "reference", "verification"],
+    "verification/optimized": ["firn", "io", "optimized", "verification", ROOT_OF_SOLVERS],
+    "bench": ["firn", "io", "verification", ROOT_OF_SOLVERS],
+    # Kernels are measured one by one, below the interface of solvers.
+    "bench/kernels": ["firn", "reference", "optimized", "bench"],
+    "cli": ["firn", "io", "verification", "bench"],
+    "cli/builtin_solvers.cpp": ["firn", "reference", "optimized", "cli"],
+    "reports": [],
+    "teach": ["firn", "io", "reference"],
+    "web": ["firn", "io", "reference"],
+}
+
+CPP = {".c", ".cc", ".cpp", ".h", ".hpp", ".inl", ".in"}
+# Also the way in which SIMD code includes itself once per instruction set.
+INCLUDE = re.compile(r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^">]+)[">]', re.M)
+# A report that called into a solver would no longer be a reader of files.
+PYTHON_IMPORT = re.compile(r"^\s*(?:import|from)\s+(ctypes|cffi|subprocess)\b", re.M)
+
+
+def rule_of(path: str) -> str:
+    """The most specific key of ALLOWED that holds for the file at `path`."""
+    keys = [key for key in ALLOWED if path == key or path.startswith(key + "/")]
+    return max(keys, key=len)
+
+
+def target_of(root: Path, file: Path, include: str):
+    """The project's own file that an include names, or None for anybody else's."""
+    for candidate in (root / include, file.parent / include):
+        if candidate.is_file():
+            relative = candidate.resolve().relative_to(root)
+            if relative.parts[0] in FOLDERS:
+                return relative.as_posix()
+    # A header that does not exist (yet) still crosses if it names a folder of ours.
+    first = include.split("/")[0]
+    return include if "/" in include and first in FOLDERS else None
+
+
+def allowed(rule: str, target: str) -> bool:
+    return any(target == entry or target.startswith(entry + "/") for entry in [rule, *ALLOWED[rule]])
+
+
+def crossings(root: Path):
+    root = root.resolve()
+    seen = 0
+    for folder in FOLDERS:
+        for file in sorted((root / folder).rglob("*")) if (root / folder).is_dir() else []:
+            path = file.relative_to(root).as_posix()
+            if file.suffix == ".py" and path.startswith("reports/firn_reports/"):
+                seen += 1
+                for match in PYTHON_IMPORT.finditer(file.read_text()):
+                    yield f"{path}: imports {match[1]}; reports read HDF5 and nothing else"
+            if file.suffix not in CPP or not file.is_file():
+                continue
+            seen += 1
+            text = file.read_text()
+            for match in INCLUDE.finditer(text):
+                target = target_of(root, file, match[1])
+                if target and not allowed(rule_of(path), target):
+                    line = text.count("\n", 0, match.start(1)) + 1
+                    yield f"{path}:{line}: includes {target}, which {rule_of(path)} may not see"
+    if seen == 0:
+        yield f"{root}: no source file found, nothing was checked"
+
+
+def main() -> int:
+    found = list(crossings(Path(sys.argv[1])))
+    for line in found:
+        print(line)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
