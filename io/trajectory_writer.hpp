@@ -16,6 +16,7 @@ namespace firn {
 
 class TrajectoryFile;
 class TrajectoryReader;
+struct TrajectorySize;
 
 /// One output file of a run.
 ///
@@ -47,6 +48,9 @@ class TrajectoryWriter {
   /// and frames on the disk always belong together.
   void add_row(const Diagnostics& row);
 
+  /// Drops the rows waiting that belong to steps after `step`.
+  void forget_rows_after(std::int64_t step);
+
   /// Adds the rows waiting and then the frame. When it returns, both are in the
   /// file whatever happens to this process. `restart` has restart_size bytes.
   /// Throws SimulationError if a value is not finite in the file's precision
@@ -54,23 +58,29 @@ class TrajectoryWriter {
   void write_frame(const State& state, std::span<const std::byte> restart);
 
   /// Gives back the room that was not used, if there is any (the file is copied
-  /// to one of the exact size), and closes the file.
+  /// to one of the exact size), and closes the file. A copy that fails is no
+  /// error: the longer file is complete, too.
   void finish();
 
-  std::int64_t frames() const;  ///< complete in the file
-  std::int64_t rows() const;    ///< complete in the file
+  std::int64_t frames() const { return frames_; }  ///< complete in the file
+  std::int64_t rows() const { return rows_; }      ///< complete in the file
   const std::filesystem::path& path() const { return output_; }
 
  private:
+  void resolve_output();
+  std::filesystem::path partial_path() const;
+  void append_frame(const State& state, std::span<const std::byte> restart);
   void make_room();
-  void move_to_file_of(std::int64_t frames, std::int64_t rows);
+  void move_to_file_of(const TrajectorySize& size);
+  void copy_complete_part(const TrajectoryReader& from, TrajectoryFile& to) const;
   void publish();
 
   std::filesystem::path output_;
+  std::filesystem::path current_;  ///< where file_ is: OUTPUT.partial or, once published, OUTPUT
   TrajectoryInfo info_;
   std::unique_ptr<TrajectoryFile> file_;
   std::vector<Diagnostics> waiting_;
-  bool published_ = false;
+  std::int64_t frames_ = 0, rows_ = 0;  ///< complete in the file
 };
 
 }  // namespace firn
