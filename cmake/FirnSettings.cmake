@@ -33,6 +33,7 @@ function(firn_add_library name)
   add_library(firn_${name} ${ARG_SOURCES})
   add_library(Firn::${name} ALIAS firn_${name})
   set_target_properties(firn_${name} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY FIRN_LIBRARIES firn_${name})  # FirnInstall.cmake
   target_include_directories(firn_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(firn_${name} PUBLIC firn_arithmetic ${ARG_LIBS}
