@@ -48,7 +48,9 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
 
   add_check(app, context);
 
+  add_run(app, context);
   add_report(app, context);
+  add_info(app, context);
 
   add_scenes(app, context);
   add_solvers(app, context);

@@ -119,7 +119,8 @@ void print_summary(const RunResult& result, const std::filesystem::path& out,
                    std::int64_t particles) {
   const Diagnostics& d = result.diagnostics;
   std::string bounds;
-  for (const auto& [bound, count] : bounds_that_held(result).items())
+  const nlohmann::ordered_json held = bounds_that_held(result);
+  for (const auto& [bound, count] : held.items())
     bounds += fmt::format("{}{} {}", bounds.empty() ? "" : ", ", bound, count.get<std::int64_t>());
   fmt::print("{} at step {}, t = {:.6g} s: {} frames in {}\n", status_text(result.status),
              result.step, result.time, result.frames, out.string());

@@ -1,13 +1,12 @@
 #include "verification/guests/child_process.hpp"
 
+#include <cerrno>
+#include <cstring>
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstring>
 #include <thread>
+#include <unistd.h>
 #include <utility>
 
 #include "firn/error.hpp"
@@ -41,7 +40,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, int channel) {
   // A pipe that exec closes: what comes through it is the reason why exec failed.
   // Its ends are kept away from descriptor 3, which the child overwrites.
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) throw InputError(words[0] + ": cannot make a pipe: " + std::strerror(errno));
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw InputError(words[0] + ": cannot make a pipe: " + std::strerror(errno));
   const int writer = fcntl(ends[1], F_DUPFD_CLOEXEC, 10);
   close(ends[1]);
   pid_ = fork();
@@ -51,7 +51,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, int channel) {
   int error = 0;
   const ssize_t got = pid_ > 0 ? read(ends[0], &error, sizeof error) : 0;
   close(ends[0]);
-  if (pid_ < 0) throw InputError(words[0] + ": cannot start a process: " + std::strerror(fork_error));
+  if (pid_ < 0)
+    throw InputError(words[0] + ": cannot start a process: " + std::strerror(fork_error));
   if (got == static_cast<ssize_t>(sizeof error)) {
     waitpid(pid_, &status_, 0);
     pid_ = -1;
@@ -73,7 +74,8 @@ ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
 
 bool ChildProcess::wait_until(Clock::time_point deadline) {
   if (pid_ <= 0) return true;
-  for (auto pause = std::chrono::microseconds(100);; pause = std::min(2 * pause, std::chrono::microseconds(20000))) {
+  for (auto pause = std::chrono::microseconds(100);;
+       pause = std::min(2 * pause, std::chrono::microseconds(20000))) {
     const pid_t ended = waitpid(pid_, &status_, WNOHANG);
     if (ended == pid_) {
       kill(-pid_, SIGKILL);  // what it may have left behind

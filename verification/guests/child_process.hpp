@@ -1,10 +1,9 @@
 #pragma once
 /// A program run beside Firn, with a time limit on everything that waits for it.
 
-#include <sys/types.h>
-
 #include <chrono>
 #include <string>
+#include <sys/types.h>
 #include <vector>
 
 namespace firn::guest {

@@ -1,10 +1,9 @@
 #include "verification/guests/packet.hpp"
 
-#include <poll.h>
-#include <sys/socket.h>
-
 #include <algorithm>
 #include <cerrno>
+#include <poll.h>
+#include <sys/socket.h>
 
 namespace firn::guest {
 
@@ -22,12 +21,14 @@ constexpr std::uint64_t largest_packet = std::uint64_t{1} << 40;
 /// Waits until the socket is ready for `events`.
 void wait_for(int socket, short events, Clock::time_point deadline) {
   for (;;) {
-    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
     if (left <= 0) throw ChannelError(ChannelError::Reason::timeout, "no answer in time");
     pollfd item = {socket, events, 0};
     const int ready = poll(&item, 1, static_cast<int>(std::min<long long>(left, 1000000)));
     if (ready > 0) return;
-    if (ready < 0 && errno != EINTR) throw ChannelError(ChannelError::Reason::closed, std::strerror(errno));
+    if (ready < 0 && errno != EINTR)
+      throw ChannelError(ChannelError::Reason::closed, std::strerror(errno));
   }
 }
 
@@ -65,7 +66,9 @@ void receive_bytes(int socket, void* data, std::size_t size, Clock::time_point d
 
 }  // namespace
 
-void Packet::fail() { throw ChannelError(ChannelError::Reason::malformed, "a message of the wrong length"); }
+void Packet::fail() {
+  throw ChannelError(ChannelError::Reason::malformed, "a message of the wrong length");
+}
 
 void Packet::append(const void* data, std::size_t size) {
   const std::size_t old = bytes_.size();

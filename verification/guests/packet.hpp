@@ -15,7 +15,15 @@
 
 namespace firn::guest {
 
-enum class Kind : std::uint32_t { traits = 1, load, choose_time_step, advance, store, answer, failure };
+enum class Kind : std::uint32_t {
+  traits = 1,
+  load,
+  choose_time_step,
+  advance,
+  store,
+  answer,
+  failure
+};
 
 /// The peer broke the protocol, closed the channel, or took too long.
 class ChannelError : public std::runtime_error {
@@ -28,7 +36,8 @@ class ChannelError : public std::runtime_error {
 class Packet {
  public:
   Packet() = default;
-  Packet(Kind kind_of_it, std::vector<std::byte> bytes) : kind(kind_of_it), bytes_(std::move(bytes)) {}
+  Packet(Kind kind_of_it, std::vector<std::byte> bytes)
+      : kind(kind_of_it), bytes_(std::move(bytes)) {}
   explicit Packet(Kind kind_of_it) : kind(kind_of_it) {}
 
   Kind kind = Kind::answer;
