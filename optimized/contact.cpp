@@ -1,0 +1,45 @@
+#include "optimized/contact.hpp"
+
+namespace firn::optimized {
+
+void collide(const Collider& collider, const Contact& contact, Vec3& v) {
+  if (collider.sticky) {
+    v = contact.velocity;
+    return;
+  }
+  const Vec3 v_rel = v - contact.velocity;
+  const double v_n = v_rel.dot(contact.normal);
+  if (v_n >= 0) return;
+  const Vec3 v_t = v_rel - v_n * contact.normal;
+  const double slip = v_t.norm();
+  if (slip <= -collider.friction * v_n)
+    v = contact.velocity;
+  else
+    v = (1 + collider.friction * v_n / slip) * v_t + contact.velocity;
+}
+
+void Contacts::near(const Vec3& center, double radius, std::vector<int>& out) const {
+  out.clear();
+  for (std::size_t k = 0; k < scene_->colliders.size(); ++k) {
+    const Collider& collider = scene_->colliders[k];
+    // φ itself is rounded: 1e-12 of its size is thousands of times that.
+    const double phi = collider.phi(center, time_);
+    if (!(phi > lipschitz_bound(collider.shape) * radius + 1e-12 * (std::abs(phi) + center.norm())))
+      out.push_back(static_cast<int>(k));
+  }
+}
+
+void Contacts::all(std::vector<int>& out) const {
+  out.clear();
+  for (std::size_t k = 0; k < scene_->colliders.size(); ++k) out.push_back(static_cast<int>(k));
+}
+
+void Contacts::collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v) const {
+  for (const int k : colliders) {
+    const Collider& collider = scene_->colliders[static_cast<std::size_t>(k)];
+    if (collider.phi(x, time_) > 0) continue;
+    optimized::collide(collider, collider.contact(x, time_), v);
+  }
+}
+
+}  // namespace firn::optimized

@@ -1,0 +1,235 @@
+/// The whole step in three passes: particles to tiles, tiles to nodes, nodes to
+/// particles. Node fields live in a thread's own memory for one node block at a time.
+
+#include <algorithm>
+#include <cmath>
+#include <omp.h>
+
+#include "firn/error.hpp"
+#include "optimized/solver.hpp"
+
+namespace firn::optimized {
+
+namespace {
+
+/// Every block is sorted again each 16th step; which one when depends on where it
+/// lies, so that no step sorts all of them.
+constexpr std::int64_t sort_interval = 16;
+
+bool sort_is_due(const NodeIndex& b, std::int64_t step) {
+  return (step + b.i + 3 * b.j + 5 * b.k) % sort_interval == 0;
+}
+
+}  // namespace
+
+template <class T>
+void OptimizedSolver<T>::scatter_all() {
+  const std::vector<int>& active = particles_.active();
+  const int n = static_cast<int>(active.size());
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+  for (int a = 0; a < n; ++a) {
+    ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
+    Block<T>& block = particles_.block(active[static_cast<std::size_t>(a)]);
+    if (sort_is_due(block.b, step_)) particles_.sort(block, memory.sorting);
+    kernels_.scatter(particles_.view(block), constants_, memory.work,
+                     nodes_.tile(static_cast<std::size_t>(a)));
+  }
+}
+
+template <class T>
+void OptimizedSolver<T>::sum_tiles(std::size_t n, ThreadMemory<T>& memory,
+                                   NodeFields<T>& node) const {
+  const NodeBlock& block = nodes_.block(n);
+  std::fill_n(memory.sums.data(), kernels_.sums_size, T(0));
+  const Share* share = nodes_.shares(block);
+  for (int k = 0; k < block.share_count; ++k)
+    kernels_.add_tile(nodes_.tile(static_cast<std::size_t>(share[k].tile_number)), share[k].region,
+                      memory.sums.data());
+  kernels_.planar(memory.sums.data(), node);
+}
+
+template <class T>
+std::int64_t OptimizedSolver<T>::count_nodes(const NodeFields<T>& node) {
+  std::int64_t count = 0;
+  for (const T m : node.m) count += m > 0 ? 1 : 0;
+  return count;
+}
+
+template <class T>
+void OptimizedSolver<T>::collide_nodes(std::size_t n, ThreadMemory<T>& memory,
+                                       NodeFields<T>& node) const {
+  if (scene_->colliders.empty()) return;
+  const NodeBlock& block = nodes_.block(n);
+  const double h = scene_->grid.spacing;
+  const Vec3 c(block.c.i, block.c.j, block.c.k);
+  // Node −1 of a periodic axis is node n−1, far from the others.
+  const Lattice& lattice = nodes_.lattice();
+  const bool split = (lattice.period(0) > 0 && block.c.i == 0) ||
+                     (lattice.period(1) > 0 && block.c.j == 0) ||
+                     (lattice.period(2) > 0 && block.c.k == 0);
+  if (skips_.contact && !split)
+    contacts_.near(scene_->grid.origin + h * (block_cells * c + Vec3::Constant(0.5)),
+                   1.5 * std::sqrt(3.0) * h, memory.colliders);
+  else
+    contacts_.all(memory.colliders);
+  if (memory.colliders.empty()) return;
+  for (int k = 0; k < nodes_per_block; ++k) {
+    if (!(node.m[k] > 0)) continue;
+    const NodeIndex i = nodes_.index(block, k);
+    const Vec3 x = scene_->grid.origin + h * Vec3(i.i, i.j, i.k);
+    Vec3 v(static_cast<double>(node.v_star[0][k]), static_cast<double>(node.v_star[1][k]),
+           static_cast<double>(node.v_star[2][k]));
+    contacts_.collide(memory.colliders, x, v);
+    for (int a = 0; a < 3; ++a) node.v_star[a][k] = static_cast<T>(v[a]);
+  }
+}
+
+template <class T>
+void OptimizedSolver<T>::load_surroundings(std::size_t active, const Workspace<T>& work) const {
+  const Surroundings& s = nodes_.surroundings(active);
+  if (s.first_region < 0) {
+    const T* gathered[8];
+    for (std::size_t k = 0; k < 8; ++k)
+      gathered[k] = nodes_.gathered(static_cast<std::size_t>(s.node_block[k]));
+    kernels_.load_local(gathered, work);
+  } else {
+    for (int k = 0; k < s.region_count; ++k) {
+      const auto& from = nodes_.regions(s)[k];
+      kernels_.load_region(nodes_.gathered(static_cast<std::size_t>(from.node_block)), from.region,
+                           work);
+    }
+  }
+  kernels_.difference(work);
+}
+
+/// Stage 9 for one block. False if no collider is near.
+template <class T>
+bool OptimizedSolver<T>::collide_particles(std::size_t active, ThreadMemory<T>& memory) const {
+  const Block<T>& block = particles_.block(particles_.active()[active]);
+  const double h = scene_->grid.spacing;
+  const Vec3 b(block.b.i, block.b.j, block.b.k);
+  if (skips_.contact)
+    contacts_.near(scene_->grid.origin + h * (block_cells * b + Vec3::Constant(2)),
+                   2 * std::sqrt(3.0) * h, memory.colliders);
+  else
+    contacts_.all(memory.colliders);
+  if (memory.colliders.empty()) return false;
+  for (int i = 0; i < block.count; ++i) {
+    Vec3 v;
+    for (int a = 0; a < 3; ++a) v[a] = static_cast<double>(particles_.value(block, i, slot_v + a));
+    const Vec3 before = v;
+    contacts_.collide(memory.colliders, particles_.position(block, i), v);
+    if (v == before) continue;
+    for (int a = 0; a < 3; ++a) particles_.value(block, i, slot_v + a) = static_cast<T>(v[a]);
+  }
+  return true;
+}
+
+/// Some of stages 7 to 10 for one block; returns the number of leavers.
+template <class T>
+int OptimizedSolver<T>::update_block(std::size_t active, int passes, bool collide,
+                                     ThreadMemory<T>& memory, FaultReport& report) {
+  const BlockView<T> view = particles_.view(particles_.block(particles_.active()[active]));
+  if (passes & (pass_deformation | pass_velocity)) load_surroundings(active, memory.work);
+  if (!collide || scene_->colliders.empty())
+    return kernels_.update(view, constants_, memory.work, passes, report);
+  // Particles collide between stages 8 and 10.
+  const int before = passes & (pass_deformation | pass_velocity);
+  if (before) kernels_.update(view, constants_, memory.work, before, report);
+  collide_particles(active, memory);
+  return passes & pass_position
+             ? kernels_.update(view, constants_, memory.work, pass_position, report)
+             : 0;
+}
+
+template <class T>
+auto OptimizedSolver<T>::update_all(int passes, bool collide) -> Found {
+  const std::vector<int>& active = particles_.active();
+  const int n = static_cast<int>(active.size());
+  Found found;
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+  for (int a = 0; a < n; ++a) {
+    ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
+    FaultReport report;
+    const int leavers = update_block(static_cast<std::size_t>(a), passes, collide, memory, report);
+    if ((passes & pass_position) && report.fault == Fault::none) {
+      const int lost = particles_.take_out(particles_.block(active[static_cast<std::size_t>(a)]),
+                                           memory.work.leavers, leavers);
+      if (lost >= 0) report = {Fault::position, lost};
+    }
+    if (report.fault == Fault::none) continue;
+#pragma omp critical
+    if (found.block < 0 || a < found.block) found = {a, report};
+  }
+  return found;
+}
+
+template <class T>
+void OptimizedSolver<T>::move_between_blocks() {
+  if (particles_.put_in(threads_)) nodes_stale_ = true;
+}
+
+/// Names the particle. Its block may already have given particles away: then the
+/// place means nothing any more, and the block's first particle stands for it.
+template <class T>
+void OptimizedSolver<T>::fail(const Found& found) {
+  const Block<T>& block =
+      particles_.block(particles_.active()[static_cast<std::size_t>(found.block)]);
+  const Fault fault = found.report.fault;
+  const Stage stage = fault == Fault::deformation ? Stage::deformation
+                      : fault == Fault::velocity  ? Stage::particle_velocities
+                                                  : Stage::positions;
+  const std::int64_t p =
+      found.report.place < block.count
+          ? static_cast<std::int64_t>(particles_.index(block, found.report.place))
+          : -1;
+  throw SimulationError(stage, SimulationError::Subject::particle, p,
+                        fault == Fault::deformation ? "deformation gradient is not finite"
+                        : fault == Fault::velocity
+                            ? "velocity is not finite"
+                            : "particle moves more than 4 cells in a step or leaves the domain");
+}
+
+template <class T>
+StepReport OptimizedSolver<T>::fused_step() {
+  refresh_stress();
+  scatter_all();
+
+  const int n = static_cast<int>(nodes_.size());
+  std::int64_t count = 0;
+  bool finite = true;
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, 16) reduction(+ : count) reduction(&& : finite)
+  for (int i = 0; i < n; ++i) {
+    ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
+    NodeFields<T>& node = *memory.node.data();
+    const auto k = static_cast<std::size_t>(i);
+    sum_tiles(k, memory, node);
+    kernels_.node_velocities(node);
+    kernels_.node_forces(constants_, node);
+    kernels_.node_velocities_star(constants_, node);
+    collide_nodes(k, memory, node);
+    if (kernels_.pack_gathered(constants_, node, nodes_.gathered(k)).fault != Fault::none)
+      finite = false;
+    count += count_nodes(node);
+  }
+  // No particle has changed yet: the staged path finds out what went wrong and where.
+  if (!finite) {
+    advance_through(Stage::integration, dt_);
+    throw SimulationError(Stage::integration, SimulationError::Subject::solver, -1,
+                          "velocity is not finite");
+  }
+
+  const Found found = update_all(pass_deformation | pass_velocity | pass_position, true);
+  if (found.block >= 0) fail(found);
+  move_between_blocks();
+  tiles_stale_ = gathered_stale_ = true;
+  StepReport report;
+  report.dt = dt_;
+  report.grid_nodes = count;
+  return report;
+}
+
+template class OptimizedSolver<float>;
+template class OptimizedSolver<double>;
+
+}  // namespace firn::optimized

@@ -1,0 +1,88 @@
+#pragma once
+/// The node blocks that the particles reach, who contributes to each, and who
+/// gathers from where.
+
+#include <array>
+#include <vector>
+
+#include "firn/state.hpp"
+#include "optimized/kernel_table.hpp"
+#include "optimized/memory.hpp"
+#include "optimized/particle_store.hpp"
+
+namespace firn::optimized {
+
+/// One tile's share in a node block: tile nodes from `tile` on are the block's
+/// nodes from `node` on.
+struct Share {
+  int tile_number;  ///< place among the active particle blocks
+  Region region;
+};
+
+struct NodeBlock {
+  NodeIndex c;  ///< holds nodes 4c−1 … 4c+2
+  int first_share = 0, share_count = 0;
+};
+
+/// Where a particle block's 7×7×7 nodes come from.
+struct Surroundings {
+  std::array<int, 8> node_block{};          ///< regular: the node blocks b + {0,1}³
+  int first_region = -1, region_count = 0;  ///< otherwise: any number of regions
+};
+
+template <class T>
+class NodeStore {
+ public:
+  /// From the active particle blocks; call whenever their set has changed.
+  void rebuild(const ParticleStore<T>& particles, const TileShape& shape);
+
+  std::size_t size() const { return blocks_.size(); }
+  const NodeBlock& block(std::size_t n) const { return blocks_[n]; }
+  const Lattice& lattice() const { return lattice_; }
+
+  T* tile(std::size_t active) const { return tiles_.data() + active * tile_size_; }
+  T* gathered(std::size_t n) const { return gathered_.data() + n * gathered_size_; }
+  const Surroundings& surroundings(std::size_t active) const { return surroundings_[active]; }
+  const Share* shares(const NodeBlock& block) const {
+    return shares_.data() + static_cast<std::size_t>(block.first_share);
+  }
+
+  struct RegionFrom {
+    int node_block;
+    Region region;
+  };
+  const RegionFrom* regions(const Surroundings& s) const {
+    return regions_.data() + static_cast<std::size_t>(s.first_region);
+  }
+
+  /// All fields of all nodes, for the staged path only.
+  NodeFields<T>& fields(std::size_t n) { return fields_[n]; }
+  const NodeFields<T>& fields(std::size_t n) const { return fields_[n]; }
+  void require_fields() { fields_.require(blocks_.size()); }
+
+  /// Number of the node block at c, −1 if there is none.
+  int find(const NodeIndex& c) const { return map_.find(c); }
+
+  NodeIndex index(const NodeBlock& block, int place) const;
+
+  std::size_t bytes() const;
+
+ private:
+  int find_or_create(const NodeIndex& c);
+
+  Lattice lattice_;
+  std::vector<NodeBlock> blocks_;
+  std::vector<Share> shares_;
+  std::vector<Surroundings> surroundings_;
+  std::vector<RegionFrom> regions_;
+  std::vector<std::pair<int, Share>> found_;  ///< (node block, share) before sorting
+  BlockMap map_;
+  AlignedArray<T> tiles_, gathered_;
+  AlignedArray<NodeFields<T>> fields_;
+  std::size_t tile_size_ = 0, gathered_size_ = 0;
+};
+
+extern template class NodeStore<float>;
+extern template class NodeStore<double>;
+
+}  // namespace firn::optimized
