@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace firn::reference {
 
@@ -15,36 +16,40 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 constexpr int max_sweeps = 20;
 
 /// Turns columns p and q of B = A V, and of V with them, by the angle which
-/// makes those of B orthogonal and puts the longer one first. Returns whether
-/// anything was done.
+/// makes those of B orthogonal, the longer one first. Returns whether anything
+/// was done.
 ///
 /// With α = |b_p|², β = |b_q|², γ = b_p·b_q the angle obeys tan 2θ = 2γ/(α − β).
-/// Of its two solutions, θ in [−π/4, π/4] keeps the longer column first if
-/// α ≥ β, and the one 90° away from it exchanges the two if α < β. An exchange
+/// If α < β the columns are exchanged first (one with its sign turned, for
+/// det V = 1); then θ in [−π/4, π/4] keeps the longer one first. An exchange
 /// counts as a change: the next sweep has to look at all pairs again.
 bool orthogonalize(Mat3& B, Mat3& V, int p, int q, double negligible) {
-  const double alpha = B.col(p).squaredNorm();
-  const double beta = B.col(q).squaredNorm();
-  const double gamma = B.col(p).dot(B.col(q));
-  const bool orthogonal =
-      gamma * gamma <= eps * eps * alpha * beta || std::abs(gamma) <= negligible;
-  if (orthogonal && alpha >= beta) return false;
-
-  double c = 0, s = 1;  // orthogonal, in the wrong order: exchange them
-  if (!orthogonal) {
-    const double d = alpha - beta;
-    const double o = 2 * gamma;
-    const double r = std::sqrt(d * d + o * o);
-    c = d >= 0 ? r + d : std::abs(o);
-    s = d >= 0 ? o : std::copysign(r - d, o);
-    const double norm = std::sqrt(c * c + s * s);
-    c /= norm;
-    s /= norm;
+  double alpha = B.col(p).squaredNorm();
+  double beta = B.col(q).squaredNorm();
+  double gamma = B.col(p).dot(B.col(q));
+  const bool exchange = alpha < beta;
+  if (exchange) {
+    for (Mat3* M : {&B, &V}) {
+      M->col(p).swap(M->col(q));
+      M->col(q) *= -1;
+    }
+    std::swap(alpha, beta);
+    gamma = -gamma;
   }
+  if (gamma * gamma <= eps * eps * alpha * beta || std::abs(gamma) <= negligible) return exchange;
+
+  // cos θ = x/n, sin θ = y/n. Written with tan θ/2, a small turn adds a small
+  // correction, so that the roundoff of many of them does not accumulate.
+  const double d = alpha - beta;
+  const double y = 2 * gamma;
+  const double x = d + std::sqrt(d * d + y * y);
+  const double n = std::sqrt(x * x + y * y);
+  const double sine = y / n;
+  const double tan_half = y / (n + x);
   for (Mat3* M : {&B, &V}) {
     const Vec3 m_p = M->col(p), m_q = M->col(q);
-    M->col(p) = c * m_p + s * m_q;
-    M->col(q) = c * m_q - s * m_p;
+    M->col(p) += sine * (m_q - tan_half * m_p);
+    M->col(q) -= sine * (m_p + tan_half * m_q);
   }
   return true;
 }
@@ -67,14 +72,18 @@ void factor_orthogonal_columns(const Mat3& B, Mat3& U, Vec3& sigma) {
   const Vec3 u1 = sigma[0] > 0 ? Vec3(B.col(0) / sigma[0]) : Vec3(Vec3::UnitX());
   Vec3 e, f;
   complete_basis(u1, e, f);
+  // The second column may be so short that its square underflows.
   double y = e.dot(B.col(1)), z = f.dot(B.col(1));
-  const double length = std::sqrt(y * y + z * z);
-  y = length > 0 ? y / length : 0;
-  z = length > 0 ? z / length : 1;
+  const double larger = std::max(std::abs(y), std::abs(z));
+  y = larger > 0 ? y / larger : 0;
+  z = larger > 0 ? z / larger : 1;
+  const double norm = std::sqrt(y * y + z * z);
+  y /= norm;
+  z /= norm;
   U.col(0) = u1;
   U.col(1) = y * e + z * f;
   U.col(2) = y * f - z * e;
-  sigma[1] = std::min(length, sigma[0]);
+  sigma[1] = std::min(larger * norm, sigma[0]);
   sigma[2] = std::clamp(U.col(2).dot(B.col(2)), -sigma[1], sigma[1]);
 }
 
