@@ -47,7 +47,6 @@ function(firn_add_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE firn_arithmetic firn_warnings ${ARG_LIBS} GTest::gtest_main)
-  target_compile_definitions(${name} PRIVATE FIRN_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   if(NOT ARG_LABELS)
     set(ARG_LABELS fast)  # an empty value would swallow the TIMEOUT that follows
   endif()
