@@ -39,14 +39,15 @@ void BoundModel::load(const State& state) {
   norms(grid.v_new, bounds_.v_new, 0);
 }
 
-void BoundModel::advance(Stage stage, const State& before, const State& after, double dt) {
+void BoundModel::advance(Stage stage, const State& before, const State& after, double dt,
+                         bool indefinite) {
   switch (stage) {
     case Stage::rasterize: rasterize(before, after); break;
     case Stage::volumes: volumes(before, after); break;
     case Stage::grid_forces: grid_forces(before, after); break;
     case Stage::grid_velocities: grid_velocities(before, after, dt); break;
     case Stage::grid_collisions: grid_collisions(before, after); break;
-    case Stage::integration: integration(after); break;
+    case Stage::integration: integration(before, after, dt, indefinite); break;
     case Stage::deformation: deformation(before, dt); break;
     case Stage::particle_velocities: particle_velocities(before); break;
     case Stage::particle_collisions: particle_collisions(before); break;

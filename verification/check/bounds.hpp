@@ -30,6 +30,9 @@ struct ErrorBounds {
   std::vector<double> v, V_0, F_E, F_P;
   std::vector<double> m_i, v_i, f, v_star, free_directions, v_new;
 
+  /// Semi-implicit: ‖v* − B v‖ in the mass norm, tolerance and roundoff together.
+  double implicit_residual = 0;
+
   /// Mass that rounded positions alone can move to or from a node in step 1 [kg].
   /// Kept for the whole step: a node lighter than this may be missing on one side.
   std::vector<double> uncertain_mass;
@@ -47,8 +50,9 @@ class BoundModel {
   /// The subject has just been loaded with `state`.
   void load(const State& state);
 
-  /// `stage` led from `before` to `after` in the reference, with time step dt.
-  void advance(Stage stage, const State& before, const State& after, double dt);
+  /// `stage` led from `before` to `after` in the reference, with time step dt; `indefinite`:
+  /// its implicit solve met negative curvature.
+  void advance(Stage stage, const State& before, const State& after, double dt, bool indefinite);
 
  private:
   void rasterize(const State& before, const State& after);
@@ -56,7 +60,8 @@ class BoundModel {
   void grid_forces(const State& before, const State& after);
   void grid_velocities(const State& before, const State& after, double dt);
   void grid_collisions(const State& before, const State& after);
-  void integration(const State& after);
+  void integration(const State& before, const State& after, double dt, bool indefinite);
+  double stiffness_roundoff(const State& before, const Grid& grid) const;
   void deformation(const State& before, double dt);
   void particle_velocities(const State& after_integration);
   void particle_collisions(const State& before);

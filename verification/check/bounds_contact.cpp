@@ -11,8 +11,6 @@ namespace firn::check {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Step 5 as the paper writes it, here only to see how far its result moves when
 /// its arguments do.
 Vec3 respond(const Collider& collider, const Contact& contact, const Vec3& v) {
@@ -100,7 +98,7 @@ ContactBounds contact_bounds(const Scene& scene, const Vec3& x, const Vec3& x_er
     const double doubt =
         bounds.v + n_error * speed + v_co_error + Roundoff::collision * eps * speed;
     if (phi_in_doubt || (here.phi <= 0 && projector_in_doubt(collider, here, v, doubt)))
-      bounds.free_directions = infinity;
+      bounds.free_directions = unbounded;
     if (here.phi <= 0 || phi_in_doubt) {
       if (here.phi <= 0) ++touching;
       const double lipschitz = collider.sticky && !phi_in_doubt ? 0 : 1 + collider.friction;
@@ -112,7 +110,7 @@ ContactBounds contact_bounds(const Scene& scene, const Vec3& x, const Vec3& x_er
   }
   // Two normals span a plane whose projector is conditioned by the angle between
   // them, which is not known here.
-  if (touching > 1) bounds.free_directions = infinity;
+  if (touching > 1) bounds.free_directions = unbounded;
   return bounds;
 }
 

@@ -1,4 +1,4 @@
-/// Error bounds of steps 1 to 4 and 6: what the particles give to the grid.
+/// Error bounds of steps 1 to 4: what the particles give to the grid.
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -137,24 +137,6 @@ void BoundModel::grid_velocities(const State& before, const State& after, double
     bounds_.v_star[i] =
         bounds_.v_i[i] + dt * (bounds_.f[i] + f * m_error) / (m * (1 - m_error)) + local;
   }
-}
-
-/// Explicit: v_i^{n+1} = v_i*.
-void BoundModel::integration(const State& after) {
-  const Grid& grid = after.grid;
-  bounds_.v_new.resize(grid.size());
-  for (std::size_t i = 0; i < grid.size(); ++i)
-    bounds_.v_new[i] = bounds_.v_star[i] + r_.eps * grid.v_new[i].norm();
-  if (!scene_.semi_implicit()) return;
-  // Either solver leaves a residual r of up to tol·‖M v*‖ in (M + βΔt²H) v = M v*.
-  // With H positive the inverse contracts in the mass norm, ‖δv‖_M ≤ ‖r‖_{M⁻¹},
-  // and a residual spread over the nodes as the momentum is has
-  // ‖r‖_{M⁻¹} ≤ tol·‖v*‖_M.
-  double energy = 0;
-  for (std::size_t i = 0; i < grid.size(); ++i) energy += grid.m[i] * grid.v_star[i].squaredNorm();
-  const double mass_norm = 2 * scene_.integrator.tolerance * std::sqrt(energy);
-  for (std::size_t i = 0; i < grid.size(); ++i)
-    bounds_.v_new[i] += mass_norm / std::sqrt(grid.m[i]);
 }
 
 }  // namespace firn::check

@@ -27,7 +27,7 @@ void FieldRow::add(Place place, double scale) {
     check_.valid = false;
     return;
   }
-  if (std::isinf(place.bound)) return;
+  if (place.bound >= unbounded) return;
   const double error = std::abs(place.subject_value - place.reference_value);
   const double in_bounds = error == 0 ? 0 : error / place.bound;
   ++check_.compared;
@@ -119,13 +119,11 @@ void FieldComparison::nodes(FieldRow& row, double scale) const {
       const double stray = it == stencils.stray_mass().end() ? 0.0 : it->second;
       // Lighter than rounding can explain: whatever the node carries is harmless.
       const bool harmless = theirs.m[j] <= stray && field != Field::node_mass;
-      add(zero, their_value,
-          [&](int) { return harmless ? std::numeric_limits<double>::infinity() : stray; });
+      add(zero, their_value, [&](int) { return harmless ? unbounded : stray; });
       ++j;
     } else if (only_ours) {
       const bool harmless = ours.m[i] <= bounds.uncertain_mass[i] && field != Field::node_mass;
-      add(our_value, zero,
-          [&](int c) { return harmless ? std::numeric_limits<double>::infinity() : our_bound(c); });
+      add(our_value, zero, [&](int c) { return harmless ? unbounded : our_bound(c); });
       ++i;
     } else {
       add(our_value, their_value, our_bound);

@@ -69,6 +69,17 @@ Sized kirchhoff_stress(const Material& material, const Mat3& F_E, const Mat3& F_
   return tau;
 }
 
+double spatial_stiffness(const Material& material, const Mat3& F_E, const Mat3& F_P) {
+  const Vec3 sigma = signed_singular_values(F_E);
+  const double J = F_E.determinant();
+  const double hardening = std::exp(material.hardening * (1 - F_P.determinant()));
+  // ‖δR‖ ≤ 2‖δF‖/(σ2 + σ3); C F_E^T = J I and ‖δC F_E^T‖ ≤ 2‖cof F‖‖F‖‖∇u‖.
+  const double rotation = 2 / std::max(sigma[1] + sigma[2], 1e-300);
+  return hardening * (2 * material.mu_0() * (1 + rotation) * sigma[0] * sigma[0] +
+                      material.lambda_0() *
+                          (3 * J * J + 2 * std::abs(J - 1) * cofactor_norm(sigma) * sigma[0]));
+}
+
 ReturnErrors plastic_return(const Material& material, const Mat3& F_hat, double F_hat_error,
                             const Mat3& F_P, double F_P_error, double eps) {
   const Vec3 sigma = signed_singular_values(F_hat);

@@ -20,6 +20,9 @@ Vec3 signed_singular_values(const Mat3& F);
 Sized kirchhoff_stress(const Material& material, const Mat3& F_E, const Mat3& F_P, double F_E_error,
                        double F_P_error, double eps);
 
+/// Bound of ‖A F_E^T‖/‖∇u‖ with A = 2μ(δF − δR) + λ(C:δF)C + λ(J−1)δC, δF = ∇u F_E [Pa].
+double spatial_stiffness(const Material& material, const Mat3& F_E, const Mat3& F_P);
+
 /// Errors of F_E = U clamp(Σ̂) V^T and F_P = F_E⁻¹ F̂_E F_P.
 struct ReturnErrors {
   double F_E = 0, F_P = 0;

@@ -80,7 +80,7 @@ double bound(const ErrorBounds& bounds, Field field, std::size_t index, int comp
     case Field::particle_velocity: return bounds.v[index];
     case Field::particle_position: return bounds.x[index][component];
   }
-  return std::numeric_limits<double>::infinity();
+  return unbounded;
 }
 
 }  // namespace firn::check

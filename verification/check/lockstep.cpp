@@ -9,6 +9,7 @@
 
 #include "verification/check/comparison.hpp"
 #include "verification/check/fields.hpp"
+#include "verification/check/implicit_residual.hpp"
 #include "verification/check/run.hpp"
 
 namespace firn::check {
@@ -73,6 +74,7 @@ class Lockstep {
   void compare_kept(const State& input, const State& after, const State& theirs, Stage from,
                     Stage stop, const std::vector<Written>& written, const BoundModel& model);
   void check_time_step(const State& start, double dt, const TimeStep& theirs);
+  void check_solve(const State& after, double dt, Stage from);
   bool check_fused(const State& start, double dt);
 
   const Scene& scene_;
@@ -94,10 +96,10 @@ bool Lockstep::step(State& start) {
   State input = start, before = start, after;
   Stage from = Stage::rasterize;
   for (const Stage stage : all_stages) {
-    reference_.advance_through(stage, dt);
+    const bool indefinite = reference_.advance_through(stage, dt).solver_indefinite;
     reference_.store(after);
-    model_.advance(stage, before, after, dt);
-    whole_step_.advance(stage, before, after, dt);
+    model_.advance(stage, before, after, dt, indefinite);
+    whole_step_.advance(stage, before, after, dt, indefinite);
     const auto& stops = subject_.traits().stops;
     if (std::find(stops.begin(), stops.end(), stage) != stops.end()) {
       if (!whole_steps_only_ && !compare_stretch(from, stage, input, after, dt, model_, false))
@@ -147,6 +149,7 @@ bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const
   }
   compare_kept(input, after, theirs_, from, stop, written, model);
   if (by_step) check_time_step(input, dt, their_step);
+  if (stop == Stage::integration && scene_.semi_implicit()) check_solve(after, dt, from);
   return true;
 }
 
@@ -181,6 +184,33 @@ void Lockstep::check_time_step(const State& start, double dt, const TimeStep& th
   const bool valid = std::abs(theirs.dt - dt) <= bound * dt;
   recorder_.property("choose_time_step() agrees", 1, valid,
                      valid ? "" : fmt::format("{:.9g} s against {:.9g} s", theirs.dt, dt));
+}
+
+/// The solve's own promise. The system is the reference's; v_i* of a subject that has come
+/// here from an earlier stage differs from it by no more than its bound.
+void Lockstep::check_solve(const State& after, double dt, Stage from) {
+  std::vector<Vec3> v_new = after.grid.v_star;  // at nodes that the subject does not have
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < after.grid.size(); ++i) {
+    while (j < theirs_.grid.size() && theirs_.grid.node[j] < after.grid.node[i]) ++j;
+    if (j < theirs_.grid.size() && theirs_.grid.node[j] == after.grid.node[i])
+      v_new[i] = theirs_.grid.v_new[j];
+  }
+  const ImplicitResidual r = implicit_residual(scene_, after, model_, v_new, dt);
+  const auto nodes = static_cast<std::int64_t>(after.grid.size());
+  const bool solved = r.residual <= r.allowed;
+  recorder_.property("v_i_new solves the semi-implicit system", nodes, solved,
+                     solved ? ""
+                            : fmt::format("residual {:.3g} in the mass norm, allowed {:.3g}",
+                                          r.residual, r.allowed),
+                     from, Stage::integration);
+  const bool held = r.held_in_bounds <= 1;
+  const NodeIndex& n = after.grid.node[r.held_node];
+  recorder_.property(
+      "the solve moves no node against its contact", nodes, held,
+      held ? ""
+           : fmt::format("node ({},{},{}) by {:.3g} of its bound", n.i, n.j, n.k, r.held_in_bounds),
+      from, Stage::integration);
 }
 
 /// step() is promised to be bit for bit what the stages reach without a reload in

@@ -34,7 +34,7 @@ void Recorder::compare(const FieldComparison& comparison, Stage from, Stage thro
 }
 
 void Recorder::property(const std::string& name, std::int64_t compared, bool valid,
-                        const std::string& detail) {
+                        const std::string& detail, Stage from, Stage through) {
   auto& all = report_.properties;
   auto row = std::find_if(all.begin(), all.end(),
                           [&](const PropertyCheck& check) { return check.name == name; });
@@ -43,7 +43,7 @@ void Recorder::property(const std::string& name, std::int64_t compared, bool val
   if (valid) return;
   if (row->valid) row->detail = fmt::format("step {}: {}", step_, detail);
   row->valid = false;
-  diverged(Stage::rasterize, Stage::positions, {}, fmt::format("not so: {}: {}", name, detail));
+  diverged(from, through, {}, fmt::format("not so: {}: {}", name, detail));
 }
 
 void Recorder::diverged(Stage from, Stage through, std::optional<Field> field,

@@ -18,6 +18,10 @@
 
 namespace firn::check {
 
+/// A bound this large says that nothing can be said. Finite, so that it goes through
+/// sums and products with zero weights unharmed.
+inline constexpr double unbounded = 1e100;
+
 struct Roundoff {
   double eps;   ///< spacing of 1: twice the unit roundoff, one for each solver
   double tiny;  ///< smallest normal number; below it relative accuracy ends (and may be flushed)

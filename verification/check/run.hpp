@@ -28,7 +28,8 @@ class Recorder {
                Field field, bool kept);
 
   void property(const std::string& name, std::int64_t compared, bool valid,
-                const std::string& detail);
+                const std::string& detail, Stage from = Stage::rasterize,
+                Stage through = Stage::positions);
 
   /// Something other than a number out of bounds: wrong shape, exception.
   void diverged(Stage from, Stage through, std::optional<Field> field, const std::string& message);

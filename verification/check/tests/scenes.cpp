@@ -74,6 +74,14 @@ Case lump_on_slope() {
   return c;
 }
 
+Case implicit_lump_on_slope() {
+  Case c = lump_on_slope();
+  c.scene.time.step = 1e-3;
+  c.scene.integrator.type = IntegratorType::semi_implicit;
+  c.scene.integrator.tolerance = 1e-6;
+  return c;
+}
+
 Case periodic_lump() {
   Case c{snow_scene(), {}};
   c.scene.grid.periodic = {0.3, 0, 0};

@@ -12,7 +12,7 @@ namespace firn::test {
 namespace {
 
 TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
-  for (const Case& c : {lump_on_slope(), periodic_lump()}) {
+  for (const Case& c : {lump_on_slope(), implicit_lump_on_slope(), periodic_lump()}) {
     const auto reference = make_reference(), subject = make_reference();
     const CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = 3});
     EXPECT_TRUE(report.valid()) << to_table(report);
@@ -26,7 +26,7 @@ TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
 }
 
 TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
-  for (const Case& c : {lump_on_slope(), periodic_lump()}) {
+  for (const Case& c : {lump_on_slope(), implicit_lump_on_slope(), periodic_lump()}) {
     const auto reference = make_reference();
     Rounding honest(Precision::float32), boastful(Precision::float64);
     const CheckReport as_float = run_check(c.scene, c.state, *reference, honest, {.steps = 5});

@@ -169,6 +169,57 @@ TEST(Faults, a_node_out_of_nowhere) {
   EXPECT_EQ(report.first_divergence->through, Stage::rasterize);
 }
 
+/// Stage 6 of the reference in a scene or from a state that `change` has altered.
+Mistake other_solve(std::function<void(Scene&, State&)> change) {
+  return [=](const StageRun& run) {
+    Scene scene = run.scene;
+    State input = run.before, output;
+    change(scene, input);
+    const auto solver = make_reference();
+    solver->load(scene, input);
+    solver->advance_through(Stage::integration, run.dt);
+    solver->store(output);
+    run.after.grid.v_new = output.grid.v_new;
+  };
+}
+
+TEST(ImplicitSolve, its_own_mistakes_are_found_in_stage_6) {
+  const struct {
+    const char* name;
+    Mistake mistake;
+    const char* message;
+  } planted[] = {
+      {"stopped at once", [](const StageRun& run) { run.after.grid.v_new = run.after.grid.v_star; },
+       "solves the semi-implicit system"},
+      {"stopped early",
+       other_solve([](Scene& scene, State&) { scene.integrator.tolerance = 1e-2; }),
+       "solves the semi-implicit system"},
+      {"half the implicitness",
+       other_solve([](Scene& scene, State&) { scene.integrator.implicitness = 0.5; }),
+       "solves the semi-implicit system"},
+      {"no stress in the operator", other_solve([](Scene&, State& state) {
+         for (Mat3& F_E : state.particles.F_E) F_E.setIdentity();
+       }),
+       "solves the semi-implicit system"},
+      {"contact not held", other_solve([](Scene&, State& state) {
+         for (Mat3& free : state.grid.free_directions) free.setIdentity();
+       }),
+       "moves no node against its contact"},
+  };
+  for (const auto& plant : planted) {
+    SCOPED_TRACE(plant.name);
+    Mistaken subject(Stage::integration, plant.mistake);
+    const CheckReport report = check(implicit_lump_on_slope(), subject, {.steps = 1});
+    ASSERT_FALSE(report.valid()) << to_table(report);
+    EXPECT_EQ(report.first_divergence->from, Stage::integration);
+    EXPECT_EQ(report.first_divergence->through, Stage::integration);
+    bool told = false;
+    for (const PropertyCheck& property : report.properties)
+      told = told || (!property.valid && property.name.find(plant.message) != std::string::npos);
+    EXPECT_TRUE(told) << to_table(report);
+  }
+}
+
 TEST(Faults, positions_that_are_not_wrapped) {
   Mistaken subject(Stage::positions, [](const StageRun& run) {
     for (Vec3& x : run.after.particles.x) x[0] += run.scene.grid.periodic[0];
