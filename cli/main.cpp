@@ -46,11 +46,12 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
       "interrupted, last good state written.  SCENE is a file or a name that `firn scenes` "
       "prints.");
 
-  add_check(app, context);
-
   add_run(app, context);
+  add_check(app, context);
+  add_compare(app, context);
   add_report(app, context);
   add_info(app, context);
+
 
   add_scenes(app, context);
   add_solvers(app, context);
