@@ -33,7 +33,10 @@ bool passes(const TrajectoryComparison& c, double tolerance) {
 
 std::string values_text(const std::vector<double>& values) {
   std::string text;
-  for (const double value : values) text += (text.empty() ? "" : " ") + to_text(value);
+  for (const double value : values) {
+    if (!text.empty()) text += ' ';
+    text += to_text(value);
+  }
   return text;
 }
 
@@ -91,17 +94,20 @@ void print_table(const Arguments& arguments, const TrajectoryComparison& c, bool
   fmt::print("{:<10} {:>10} {:>10} {:>11} {:>11} {:>11} {:>11}  {}\n", "quantity", "compared",
              "different", "max abs", "rms abs", "max rel", "rms rel", "first at");
   for (const QuantityComparison& q : c.quantities)
-    fmt::print("{:<10} {:>10} {:>10} {:>11.3g} {:>11.3g} {:>11.3g} {:>11.3g}  {}\n", q.name,
-               q.compared, q.different, q.max_absolute, q.rms_absolute, q.max_relative,
-               q.rms_relative,
-               q.first_different_time ? "t = " + to_text(*q.first_different_time) + " s" : "-");
+    fmt::print(
+        "{:<10} {:>10} {:>10} {:>11.3g} {:>11.3g} {:>11.3g} {:>11.3g}  {}\n", q.name, q.compared,
+        q.different, q.max_absolute, q.rms_absolute, q.max_relative, q.rms_relative,
+        q.first_different_time ? fmt::format("t = {} s", to_text(*q.first_different_time)) : "-");
   for (const QuantityComparison& q : c.quantities)
     if (q.worst && !q.identical)
       fmt::print("worst {}: particle {} at t = {} s\n  A {}\n  B {}\n", q.name, q.worst->id,
                  to_text(q.worst->time), values_text(q.worst->a), values_text(q.worst->b));
-  fmt::print("{}\n", c.identical() ? "IDENTICAL, bit for bit"
-                     : passed      ? "SAME within " + to_text(arguments.tolerance) + " relative"
-                                   : "DIFFERENT");
+  if (c.identical())
+    fmt::print("IDENTICAL, bit for bit\n");
+  else if (passed)
+    fmt::print("SAME within {} relative\n", to_text(arguments.tolerance));
+  else
+    fmt::print("DIFFERENT\n");
 }
 
 int run_compare(const Arguments& arguments) {

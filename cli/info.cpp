@@ -9,6 +9,7 @@
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/machine.hpp"
+#include "optimized/optimized_solver.hpp"
 
 namespace firn::cli {
 
@@ -31,7 +32,7 @@ Rows info_rows() {
           {"flags", build.flags},
           {"processor", processor_name()},
           {"processors", std::to_string(available_processors())},
-          {"instruction_set", std::string("-")},
+          {"instruction_set", optimized_target_name()},
           {"eigen",
            fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
           {"hdf5", hdf5_version()},

@@ -45,14 +45,11 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
       "usage, nothing written; 3 the simulation failed and the last good state was written; 130\n"
       "interrupted, last good state written.  SCENE is a file or a name that `firn scenes` "
       "prints.");
-
   add_run(app, context);
   add_check(app, context);
   add_compare(app, context);
   add_report(app, context);
   add_info(app, context);
-
-
   add_scenes(app, context);
   add_solvers(app, context);
   try {
