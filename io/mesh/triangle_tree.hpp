@@ -1,0 +1,38 @@
+#pragma once
+/// Exact distance to a set of triangles: a tree of bounding boxes.
+
+#include <limits>
+#include <vector>
+
+#include "io/mesh/triangle_mesh.hpp"
+
+namespace firn {
+
+/// ‖x − y‖² to the nearest point y of the triangle abc, also where it is
+/// degenerate (Ericson, Real-Time Collision Detection, §5.1.5).
+double distance_squared(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
+class TriangleTree {
+ public:
+  /// The mesh must outlive the tree.
+  explicit TriangleTree(const TriangleMesh& mesh);
+
+  /// Distance from x to the nearest triangle, or `at_most` if none is nearer [m].
+  double distance(const Vec3& x, double at_most = std::numeric_limits<double>::infinity()) const;
+
+ private:
+  struct Node {
+    Bounds box;
+    std::int32_t first, count;  // leaf: triangles; inner: count = 0, `first` the second child
+  };
+
+  std::int32_t build(std::int32_t first, std::int32_t count);
+  Bounds box_of(std::int32_t first, std::int32_t count) const;
+  void search(std::int32_t node, const Vec3& x, double& nearest) const;
+
+  const TriangleMesh& mesh_;
+  std::vector<std::int32_t> order_;  // triangles, so that every leaf's are neighbours
+  std::vector<Node> nodes_;          // a node's first child follows it
+};
+
+}  // namespace firn

@@ -1,0 +1,26 @@
+#pragma once
+/// Level-set files for the tests, written by OpenVDB itself.
+
+#include <string>
+
+#include "firn/types.hpp"
+
+namespace firn {
+
+/// A narrow-band sphere of voxels of edge s and a band of three voxels.
+void write_vdb_sphere(const std::string& path, const Vec3& center, double radius, double s);
+
+/// As above, with a fog volume before the level set, to be passed over.
+void write_vdb_fog_and_sphere(const std::string& path, double radius, double s);
+
+/// No level set at all.
+void write_vdb_fog(const std::string& path);
+
+/// A sphere whose voxels are stretched along z, or turned about z.
+void write_vdb_stretched(const std::string& path);
+void write_vdb_turned(const std::string& path);
+
+/// A level set without a single active voxel.
+void write_vdb_empty(const std::string& path);
+
+}  // namespace firn
