@@ -7,6 +7,15 @@ const std::vector<SuiteEntry>& suites() {
       {"roofline", "machine probes: FMA peak and memory bandwidth", plan_roofline_suite},
       {"speedup", "each solver against the reference, interleaved", plan_speedup_suite},
       {"stages", "time per particle and stage", plan_stages_suite},
+      {"skips", "what each skip of the optimized solver saves, and where it costs",
+       plan_skips_suite},
+      {"float", "accuracy of float: creep, small strains, far from the origin, long runs",
+       plan_float_suite},
+      {"accuracy", "run time against error on exact solutions", plan_accuracy_suite},
+      {"stability", "largest stable time step by bisection, against prediction",
+       plan_stability_suite},
+      {"targets", "the optimized solver on every instruction set of this processor",
+       plan_targets_suite},
       {"steps", "particle-steps per second over sizes and threads", plan_steps_suite},
   };
   return all;

@@ -9,5 +9,10 @@ void plan_roofline_suite(const Registry&, const Options&, std::vector<CasePlan>&
 void plan_steps_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_stages_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_speedup_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_accuracy_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_stability_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_float_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_skips_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_targets_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 
 }  // namespace firn::bench

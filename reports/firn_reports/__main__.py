@@ -7,7 +7,7 @@ from pathlib import Path
 
 import h5py
 
-from . import InputError, check, page, trajectory, trajectory_page
+from . import InputError, baseline, check, page, results, results_page, trajectory, trajectory_page
 from .trajectory import text_attribute
 
 
@@ -28,6 +28,9 @@ def parse(arguments):
     parser = argparse.ArgumentParser("firn report", description="One self-contained HTML page from a trajectory or from results.")
     parser.add_argument("file", metavar="FILE", help="a trajectory (.vtkhdf) or results (.h5)")
     parser.add_argument("--check", action="append", default=[], metavar="JSON", help="output of `firn check --json`; may be repeated")
+    parser.add_argument("--baseline", metavar="OLD", help="older results; exit 1 if something became worse than --threshold allows")
+    parser.add_argument("--threshold", type=float, default=baseline.THRESHOLD, metavar="SHARE",
+                        help="of --baseline: changes up to this share pass (default: %(default)s)")
     parser.add_argument("-o", "--output", default="report", metavar="DIR", help="folder of the page (default: report)")
     return parser.parse_args(arguments)
 
@@ -41,7 +44,25 @@ def report(options, command):
         (Path(options.output) / "snowball.png").write_bytes(png)
         print(path)
         return 0
+    if kind == "firn-results":
+        return report_results(options, checks, command)
     raise InputError(f"{options.file}: format: got {kind}, allowed: firn-trajectory, firn-results")
+
+
+def report_results(options, checks, command):
+    """Exit status 1 if something became worse than the baseline."""
+    new, old = results.read(options.file), None
+    if options.baseline:
+        if (kind := file_format(options.baseline)) != "firn-results":
+            raise InputError(f"{options.baseline}: format: got {kind}, allowed: firn-results")
+        old = results.read(options.baseline)
+    result, failed = results_page.build(new, old, options.threshold, command)
+    if checks:
+        result.sections.append(check.section(checks))
+    print(page.write(result, options.output))
+    if failed:
+        print("worse than the baseline, see the page: " + result.sentence, file=sys.stderr)
+    return 1 if failed else 0
 
 
 def main(arguments=None):

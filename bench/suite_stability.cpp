@@ -1,0 +1,211 @@
+/// The largest stable time step, found by bisection, beside the predicted one.
+
+#include <cmath>
+#include <random>
+
+#include "bench/suites.hpp"
+#include "bench/timing.hpp"
+#include "firn/error.hpp"
+
+namespace firn::bench {
+
+namespace {
+
+using results::Quantity;
+
+/// One point of the map. Everything but the named parameter keeps these values.
+struct Point {
+  std::string varied = "alpha";
+  double alpha = 0.95, E = 1.4e5, h = 0.05, J_P = 1, jitter = 0;
+  int per_edge = 2;  ///< particles per cell edge: 1, 2, 3
+  bool lone = false;
+};
+
+constexpr double perturbation = 1e-7;
+
+/// c from E, ν = 0.2, ρ = 400, hardened: c e^{ξ(1−J_P)/2}.
+double sound_speed(const Point& point) {
+  Material m;
+  m.youngs_modulus = point.E;
+  const double hardening = std::exp(m.hardening * (1 - point.J_P));
+  return std::sqrt(hardening * (m.lambda_0() + 2 * m.mu_0()) / m.density);
+}
+
+/// Predicted c Δt/h. The bulk limit is where the larger root of the plane wave's
+/// characteristic polynomial a² − tr a + det leaves the unit circle, for the wave
+/// number of the largest k sinc⁴(kh/2): 1.572, 1.498, 1.496 at α = 0, 0.95, 1. A lone
+/// particle: Δt = √2 h √(m/(3.137 V(2μ+3λ))), m/V = ρ.
+double predicted_cfl(const Point& point) {
+  if (point.lone) {
+    Material m;
+    m.youngs_modulus = point.E;
+    const double modulus = m.lambda_0() + 2 * m.mu_0();
+    return std::sqrt(2 * modulus / (3.137 * (2 * m.mu_0() + 3 * m.lambda_0())));
+  }
+  double limit = 10;
+  for (double kh = 0.5; kh < 3.1; kh += 0.005) {
+    const double half = 0.5 * kh, N = std::pow(std::sin(half) / half, 4), N2 = N * N;
+    double low = 0, high = 10;
+    for (int i = 0; i < 50; ++i) {
+      const double cfl = 0.5 * (low + high), z2 = std::pow(kh * N * cfl, 2);
+      const double det = point.alpha * (1 - N2) * (1 - z2) + N2;
+      const double tr = point.alpha * (1 - N2) + N2 + 1 - z2;
+      // Jury's conditions for |a| ≤ 1 at both roots; det = 1 at α = 1 is marginal by design.
+      const bool stable = std::abs(det) <= 1 + 1e-12 && std::abs(tr) <= 1 + det + 1e-12;
+      (stable ? low : high) = cfl;
+    }
+    limit = std::min(limit, low);
+  }
+  return limit;
+}
+
+Scene scene_of(const Point& point) {
+  Scene scene;
+  scene.name = "stability";
+  scene.grid.spacing = point.h;
+  // Eight spacings hold the most critical wave, 3.7 h, nearly twice.
+  scene.grid.periodic = point.lone ? Vec3(Vec3::Zero()) : Vec3(point.h * Vec3(8, 4, 4));
+  scene.time.end = 1e9;
+  scene.time.frames_per_second = 1;
+  scene.flip = point.alpha;
+  Material m;
+  m.name = "elastic";
+  m.youngs_modulus = point.E;
+  m.critical_compression = m.critical_stretch = std::numeric_limits<double>::infinity();
+  scene.materials.push_back(m);
+  return scene;
+}
+
+/// F is perturbed, not v: a particle carries no velocity gradient.
+State state_of(const Point& point, const Scene& scene, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  const auto uniform = [&] { return static_cast<double>(engine() >> 11) * 0x1p-52 - 1; };
+  State state;
+  Particles& p = state.particles;
+  const int n = point.per_edge;
+  const double h = point.h, V = h * h * h / (n * n * n);
+  const Vec3 cells = point.lone ? Vec3(1.0 / n, 1.0 / n, 1.0 / n) : Vec3(8, 4, 4);
+  for (int i = 0; i < std::lround(cells[0] * n); ++i)
+    for (int j = 0; j < std::lround(cells[1] * n); ++j)
+      for (int k = 0; k < std::lround(cells[2] * n); ++k) {
+        Vec3 x = h / n * Vec3(i + 0.5, j + 0.5, k + 0.5);
+        for (int axis = 0; axis < 3; ++axis) x[axis] += 0.5 * point.jitter * h / n * uniform();
+        p.x.push_back(scene.wrap(x));
+      }
+  const std::vector<Vec3> x = p.x;
+  p.resize(x.size());
+  p.x = x;
+  for (std::size_t at = 0; at < p.size(); ++at) {
+    p.V_0[at] = V;
+    p.m[at] = 400 * V;
+    p.id[at] = static_cast<std::int64_t>(at);
+    p.F_P[at] = std::cbrt(point.J_P) * Mat3::Identity();
+    for (int c = 0; c < 9; ++c) p.F_E[at](c / 3, c % 3) += perturbation * uniform();
+  }
+  return state;
+}
+
+/// 600 steps: 1.6 % of growth per step multiplies the perturbation by 1e4.
+bool stable(Solver& solver, Scene& scene, const State& initial, double dt) {
+  if (interrupted()) throw Interrupted{};
+  scene.time.step = dt;
+  State state;
+  try {
+    solver.load(scene, initial);
+    for (int step = 0; step < 600; ++step) {
+      solver.step(dt);
+      if (step % 50 != 49) continue;
+      solver.store(state);
+      for (const Mat3& F : state.particles.F_E)
+        if (!((F - Mat3::Identity()).norm() < 1e4 * perturbation)) return false;
+    }
+  } catch (const SimulationError&) {
+    return false;
+  }
+  return true;
+}
+
+void plan(const Registry& registry, const Options& options, const Subject& subject,
+          const Point& point, double value, bool quick, std::vector<CasePlan>& plans) {
+  CasePlan plan;
+  results::Case& d = plan.description;
+  d.suite = "stability";
+  d.name = subject.text() + "," + point.varied + "=" + to_text(value);
+  d.title = "largest stable step, " + d.name;
+  subject.describe(d);
+  d.parameters.insert(d.parameters.end(), {{"varied", point.varied},
+                                           {"value", value},
+                                           {"alpha", point.alpha},
+                                           {"E", point.E},
+                                           {"h", point.h},
+                                           {"J_P", point.J_P},
+                                           {"particles_per_cell", std::pow(point.per_edge, 3)},
+                                           {"jitter", point.jitter}});
+  plan.quick = quick;
+  plan.run = [=, &registry](results::Case& result) {
+    Scene scene = scene_of(point);
+    const State initial = state_of(point, scene, options.seed);
+    const auto solver = subject.create(registry);
+    const double step_of_cfl = point.h / sound_speed(point);
+    double low = 0.05, high = 3.0;
+    if (!stable(*solver, scene, initial, low * step_of_cfl)) high = low, low = 0;
+    // 3 / 2^9: half a per cent of a limit near 1.5.
+    for (int i = 0; i < 9; ++i) {
+      const double middle = 0.5 * (low + high);
+      (stable(*solver, scene, initial, middle * step_of_cfl) ? low : high) = middle;
+    }
+    result.quantities = {{"cfl",
+                          "1",
+                          "largest stable cΔt/h, hardened c",
+                          Quantity::Better::neither,
+                          {0.5 * (low + high)},
+                          false},
+                         {"step",
+                          "s",
+                          "largest stable Δt",
+                          Quantity::Better::neither,
+                          {0.5 * (low + high) * step_of_cfl},
+                          false}};
+    // The prediction is for particles that sample every wave evenly.
+    if (point.per_edge > 1 && point.jitter == 0)
+      result.quantities.push_back({"predicted_cfl",
+                                   "1",
+                                   "predicted cΔt/h",
+                                   Quantity::Better::neither,
+                                   {predicted_cfl(point)},
+                                   false});
+    result.validation = "perturbed F by 1e-7, 600 steps, unstable where it grew 1e4-fold";
+  };
+  plans.push_back(std::move(plan));
+}
+
+}  // namespace
+
+void plan_stability_suite(const Registry& registry, const Options& options,
+                          std::vector<CasePlan>& plans) {
+  for (const Subject& subject : subjects(registry, options, false)) {
+    // Float noise is as large as the perturbation; the map is one of the method, in double.
+    if (subject.precision != Precision::float64) continue;
+    const bool quick = subject.solver != "reference";
+    const auto add = [&](const char* varied, double value, auto set) {
+      Point point;
+      point.varied = varied;
+      set(point);
+      plan(registry, options, subject, point, value, quick, plans);
+    };
+    for (const double v : {0.0, 0.5, 0.8, 0.95, 1.0})
+      add("alpha", v, [v](Point& p) { p.alpha = v; });
+    for (const double v : {1.4e3, 1.4e4, 1.4e6, 1.4e7}) add("E", v, [v](Point& p) { p.E = v; });
+    for (const double v : {0.005, 0.02, 0.2}) add("h", v, [v](Point& p) { p.h = v; });
+    for (const int v : {1, 3})
+      add("particles per cell", v * v * v, [v](Point& p) { p.per_edge = v; });
+    for (const double v : {0.5, 0.7, 0.9}) add("J_P", v, [v](Point& p) { p.J_P = v; });
+    for (const double v : {0.25, 0.5, 1.0}) add("jitter", v, [v](Point& p) { p.jitter = v; });
+    add("lone particle", 1, [](Point& p) {
+      p.lone = true;
+      p.jitter = 0;
+    });
+  }
+}
+
+}  // namespace firn::bench

@@ -1,0 +1,68 @@
+"""What became faster or slower than in an older results file, beyond the noise."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+# A change counts if it exceeds this share and also what the repetitions of both runs leave open.
+THRESHOLD = 0.10
+
+
+@dataclass
+class Change:
+    case: object
+    quantity: str
+    units: str
+    old: float
+    new: float
+    ratio: float        # > 1: worse, whichever direction is better
+    uncertainty: float  # of the ratio, relative
+    kind: str           # "worse", "better", "same", "drowned"
+
+
+def median_error(values):
+    """Relative standard error of the median of n repetitions: 1.25 σ/√n, σ from the quartiles."""
+    values = np.asarray(values, float)
+    if len(values) < 3:
+        return 0.0
+    low, high = np.percentile(values, [25, 75])
+    return 1.25 * (high - low) / 1.35 / np.sqrt(len(values)) / abs(np.median(values))
+
+
+def machine_ratio(new, old):
+    """How much slower the machine itself was, by the fixed loop of all cases of both runs."""
+    loops = [np.concatenate([c.calibration for c in r.cases] or [np.ones(1)]) for r in (new, old)]
+    return float(np.median(loops[0]) / np.median(loops[1])) if all(len(x) and np.median(x) > 0 for x in loops) else 1.0
+
+
+def compare(new, old, threshold=THRESHOLD):
+    """One Change for every quantity with a direction that both files quote."""
+    changes = []
+    for case in new.cases:
+        before = old.find(case.suite, case.name)
+        if before is None:
+            continue
+        for name, quantity in case.quantities.items():
+            reference = before.quantities.get(name)
+            if reference is None or quantity.better == "neither" or not len(quantity.values) or not len(reference.values):
+                continue
+            if quantity.median <= 0 or reference.median <= 0:
+                continue
+            ratio = quantity.median / reference.median
+            if quantity.better == "higher":
+                ratio = 1 / ratio
+            # 3 standard errors: one case in 400 by chance.
+            noise = 3 * np.hypot(median_error(quantity.values), median_error(reference.values))
+            limit = 1 + max(threshold, noise)
+            if not (case.quotable and before.quotable):
+                kind = "drowned"
+            else:
+                kind = "worse" if ratio > limit else "better" if ratio < 1 / limit else "same"
+            changes.append(Change(case, name, quantity.units, reference.median, quantity.median, float(ratio), float(noise), kind))
+    return changes
+
+
+def appeared_broken(new, old):
+    """Cases that were fine in the old file and are invalid or failed now."""
+    return [case for case in new.cases if case.status in ("invalid", "failed")
+            and (before := old.find(case.suite, case.name)) is not None and before.status not in ("invalid", "failed")]

@@ -1,0 +1,157 @@
+"""The tables of a results page, and the few numbers that its summary quotes."""
+
+import numpy as np
+
+from . import results_figures as figures
+from .page import Code, Mark, Table
+
+KIND = {"measured": "good", "noisy": "warn", "invalid": "bad", "failed": "bad", "VALID": "good", "INVALID": "bad",
+        "worse": "bad", "better": "good", "same": "", "drowned": "warn"}
+
+
+def mark(text):
+    return Mark(text, KIND.get(text, ""))
+
+
+def of_suite(results, suite, name, title):
+    """Every case of a suite: its parameters, the median and quartiles of each quantity, its command."""
+    cases = sorted(results.suite(suite), key=lambda c: c.name)
+    if not cases:
+        return []
+    parameters = list(dict.fromkeys(key for c in cases for key in c.parameters))
+    quantities = list(dict.fromkeys(key for c in cases for key in c.quantities))
+    units = {key: q.units for c in cases for key, q in c.quantities.items()}
+    columns = parameters + [text for key in quantities for text in (f"{key} [{units[key]}]", "spread")] + ["status", "measure again"]
+    rows = []
+    for c in cases:
+        row = [c.parameters.get(key) for key in parameters]
+        for key in quantities:
+            quantity = c.quantities.get(key)
+            # What is too noisy to quote gives no number.
+            row += [quantity.median, f"{100 * quantity.spread:.2g} %" if len(quantity.values) > 2 else ""] if quantity and c.quotable else [None, ""]
+        rows.append(row + [mark(c.status), Code(c.command)])
+    return [Table(name, title, columns, rows, "Medians; spread is from the first to the third quartile, relative to the median.", f"firn bench {suite}")]
+
+
+def roofline_points(results):
+    rows = [[c["solver"], c["precision"], c["threads"], c["deformation"], c["particles"], rate / 1e9, intensity, 100 * share, Code(c.command)]
+            for c, rate, intensity, share in figures.roofline_points(results)]
+    return [Table("roofline_points", "Whole steps against the ceilings", ["solver", "precision", "threads", "deformation", "particles", "Gflop/s, plain count",
+                  "flop per byte", "% of FMA peak", "measure again"], rows, command="firn bench roofline steps")] if rows else []
+
+
+def order_rows(results):
+    """Order between neighbouring resolutions at CFL 0.4: (case, finer case, order)."""
+    rows = []
+    cases = [c for c in results.suite("accuracy") if c.quotable and c["cfl"] == 0.4]
+    for coarse in cases:
+        fine = next((f for f in cases if f["h"] == coarse["h"] / 2 and figures.line_name(f) == figures.line_name(coarse) and f["problem"] == coarse["problem"]), None)
+        if fine:
+            rows.append((coarse, fine, float(np.log2(coarse.value("error") / fine.value("error")))))
+    return sorted(rows, key=lambda r: (str(r[0]["problem"]), figures.line_name(r[0]), -r[0]["h"]))
+
+
+def orders(results):
+    rows = [[c["problem"], c["solver"], c["precision"], str(c["alpha_policy"]), c["cells"], f["cells"], c.value("error"), f.value("error"), order, Code(f.command)]
+            for c, f, order in order_rows(results)]
+    return [Table("orders", "Observed orders", ["problem", "solver", "precision", "α", "cells", "finer", "error", "finer error", "order", "measure again"], rows,
+                  "Order between two resolutions, Δt ∝ h.", "firn bench accuracy", open=True)] if rows else []
+
+
+def best_order(results):
+    """The order of the standing wave without damping, at the finest pair."""
+    rows = [r for r in order_rows(results) if r[0]["problem"] == "standing wave" and str(r[0]["alpha_policy"]) == "1" and r[0]["precision"] == "double"]
+    if not rows:
+        return None
+    coarse, fine, order = min(rows, key=lambda r: (r[1]["h"], r[0]["solver"] != "reference"))
+    return order, f"standing wave, α = 1, {coarse['cells']} to {fine['cells']} cells, {coarse['solver']}"
+
+
+def worst_stability(results):
+    rows = [(abs(c.value("cfl") / c.value("predicted_cfl") - 1), f"{c['varied']} = {c['value']}") for c in results.suite("stability")
+            if c.quotable and "predicted_cfl" in c.quantities]
+    return max(rows, default=None)
+
+
+def worst_scaling(results):
+    cases = [c for c in results.suite("steps") if c.quotable]
+    rows = []
+    for c in cases:
+        one = next((o for o in cases if o["threads"] == 1 and all(o[k] == c[k] for k in ("solver", "precision", "deformation", "particles"))), None)
+        if c["threads"] == 2 and one:
+            rows.append((c.value("rate") / one.value("rate"), f"{figures.who(c)}, {c['deformation']}, {c['particles']:,} particles".replace(",", " ")))
+    return min(rows, default=None)
+
+
+def size_growth(results):
+    groups = {}
+    for c in results.suite("steps"):
+        if c.quotable and c["threads"] == 1:
+            groups.setdefault((figures.who(c), c["deformation"]), []).append(c)
+    rows = [(max(g, key=lambda c: c["particles"]).value("time") / min(g, key=lambda c: c["particles"]).value("time"), ", ".join(key))
+            for key, g in groups.items() if len(g) > 1]
+    return max(rows, default=None)
+
+
+def costliest_skip(results):
+    rows = [(-c.value("saved"), c["skip"], c["situation"]) for c in results.suite("skips") if c.quotable]
+    worst = max(rows, default=None)
+    return worst if worst and worst[0] > 0.02 else None
+
+
+def worst_float(results):
+    rows = [(c.value("error"), f"{c['test']}, {c['solver']}") for c in results.suite("float") if c.quotable and c["precision"] == "float"]
+    return max(rows, default=None)
+
+
+def noise(results):
+    loops = [c.calibration for c in results.cases if len(c.calibration)]
+    if not loops:
+        return None
+    everything = np.concatenate(loops)
+    low, high = np.percentile(everything, [25, 75])
+    return float((high - low) / np.median(everything))
+
+
+def changes(changes, broken):
+    rows = [[c.case.suite, c.case.name, c.quantity, c.old, c.new, c.units, 100 * (c.ratio - 1), 100 * c.uncertainty, mark(c.kind), Code(c.case.command)]
+            for c in sorted(changes, key=lambda c: ({"worse": 0, "better": 1, "same": 2, "drowned": 3}[c.kind], -abs(np.log(c.ratio))))]
+    rows = [[c.suite, c.name, "", None, None, "", None, None, mark(c.status), Code(c.command)] for c in broken] + rows
+    return Table("baseline", "Every comparison", ["suite", "case", "quantity", "old", "new", "units", "% worse", "± %", "verdict", "measure again"], rows,
+                 "drowned: one of the two is too noisy to quote.", open=any(c.kind == "worse" for c in changes))
+
+
+def verification(results):
+    made = []
+    for i, (subject, verdict) in enumerate(results.verify.items(), 1):
+        rows = sorted(verdict["rows"], key=lambda r: (r["verdict"] == "VALID", -r["error"]))
+        made.append(Table(f"verify_{i}", f"{subject}: {verdict['verdict']}", ["topic", "check", "largest error in bounds", "verdict", "repeat"],
+                          [[r["topic"], r["check"], r["error"], mark(r["verdict"]), Code(r["command"])] for r in rows],
+                          "Failures first, then by how near the bound was.", verdict["command"], open=verdict["verdict"] != "VALID"))
+    return made
+
+
+def mutants(results):
+    if not results.mutants:
+        return []
+    rows = sorted(results.mutants["rows"], key=lambda r: (bool(r["caught"]), r["name"]))
+    return [Table("mutants", "Deliberately wrong solvers", ["mutant", "what was changed", "lives in", "check names", "caught by", "verdict"],
+                  [[r["name"], r["patch"], r["stage"], r["named_stage"], r["caught_by"], Mark("caught", "good") if r["caught"] else Mark("survived", "bad")] for r in rows],
+                  command=results.mutants.get("command", ""))]
+
+
+def sessions(results):
+    keys = list(dict.fromkeys(key for s in results.sessions for key in s))
+    return Table("machine", "Machine and build", ["fact"] + [f"session {i}" for i in range(len(results.sessions))],
+                 [[key.replace("_", " ")] + [s.get(key) if not isinstance(s.get(key), (int, float)) else str(s.get(key)) for s in results.sessions] for key in keys],
+                 "A session is one run of firn bench that added to the file.", open=True)
+
+
+def all_cases(results):
+    return Table("cases", "Every case", ["suite", "case", "status", "remark", "session", "measure again"],
+                 [[c.suite, c.name, mark(c.status), c.message, c.session, Code(c.command)] for c in results.cases])
+
+
+def repetitions(results):
+    rows = [[c.suite, c.name, key, q.units, i, float(v)] for c in results.cases for key, q in c.quantities.items() for i, v in enumerate(q.values)]
+    return Table("repetitions", "Every repetition", ["suite", "case", "quantity", "units", "repetition", "value"], rows)
