@@ -2,6 +2,7 @@
 /// and against the reference in one interleaved run.
 
 #include <algorithm>
+#include <cmath>
 
 #include "bench/statistics.hpp"
 #include "bench/suites.hpp"
@@ -88,7 +89,10 @@ void plan_stages(const Registry& registry, const Options& options, const Subject
       per_stage.push_back(nanoseconds(stages, "wall time per particle, stages run one by one"));
     }
     Quantity whole = nanoseconds("whole step", "wall time per particle, fastest path");
-    const int steps = std::min(10, work.steps_allowed / (2 * repetitions));
+    // Long enough to be timed, and not longer: the reference takes 0.3 s for one step.
+    const double once = timed.repetition(0);
+    const int steps = std::clamp(static_cast<int>(std::ceil(0.1 / once)), 1,
+                                 std::min(10, work.steps_allowed / 3));
     for (int i = 0; i < repetitions; ++i) {
       solver.load(work.scene, work.state);
       solver.step(work.scene.time.step);

@@ -48,6 +48,10 @@ def log_axis(axes, which, base=10):
         axis.set_major_locator(LogLocator(base=10, numticks=7))
     axis.set_major_formatter(FuncFormatter(lambda value, _: plain(value)))
     axis.set_minor_formatter(NullFormatter())
+    low, high = sorted(axis.get_data_interval())
+    if base == 10 and low > 0 and high / low < 30:
+        # Less than a decade and a half: a label at 1, 2 and 5 of each.
+        axis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5), numticks=12))
 
 
 def plain(value):
