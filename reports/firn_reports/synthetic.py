@@ -131,3 +131,92 @@ def check(verdict="VALID"):
             {"step": 3, "from": "rasterize", "through": "rasterize", "field": "node_velocity", "message": "node (1, 2, 3) diverges in rasterize"},
             "fields": [field("node_mass", 0.1), field("node_velocity", worst)],
             "properties": [{"name": "momentum", "compared": 5, "verdict": "VALID", "detail": "exact"}]}
+
+
+def _case(suite, name, parameters, quantities, status="measured", slow=1.0, seed=0):
+    return {"suite": suite, "name": name, "parameters": parameters, "quantities": quantities, "status": status, "slow": slow, "seed": seed}
+
+
+def _solver(solver, precision, threads=1, **more):
+    return {"solver": solver, "precision": precision, "threads": threads, **more}
+
+
+def _timing(value, units="ns", better="lower"):
+    return (value, units, better, True)
+
+
+def _computed(value, better="lower"):
+    return (value, "1", better, False)
+
+
+def synthetic_cases():
+    """A few cases of every suite, with medians that are known."""
+    cases = []
+    for precision, peak in (("float", 1e11), ("double", 5e10)):
+        for threads in (1, 2):
+            cases.append(_case("roofline", f"fma_{precision},{threads}T", {"probe": f"fma_{precision}", "threads": threads}, {"rate": _timing(peak * threads, "flop/s", "higher")}))
+    cases.append(_case("roofline", "triad,1T", {"probe": "triad", "threads": 1}, {"rate": _timing(1e10, "B/s", "higher")}))
+    for solver, precision, base in (("reference", "double", 2000.0), ("optimized", "float", 100.0)):
+        for deformation, factor in (("elastic", 0.7), ("plastic", 1.0)):
+            for particles in (100000, 1000000):
+                for threads in (1, 2) if solver == "optimized" else (1,):
+                    time = base * factor / threads
+                    cases.append(_case("steps", f"{solver},{precision},{threads}T,{deformation},{particles}",
+                                       _solver(solver, precision, threads, deformation=deformation, particles=particles),
+                                       {"time": _timing(time), "rate": _timing(1e9 / time, "particle-steps/s", "higher")}))
+            cases.append(_case("stages", f"{solver},{precision},1T,{deformation},100000", _solver(solver, precision, deformation=deformation, particles=100000),
+                               {"whole step": _timing(base), "rasterize": _timing(base / 2), "deformation": _timing(base / 2)}))
+        for policy, rate in (("1", 2), ("0", 1)):
+            for n in (16, 32, 64):
+                cases.append(_case("accuracy", f"standing wave,{solver},n={n},alpha={policy}",
+                                   _solver(solver, precision, problem="standing wave", cells=n, h=1 / n, cfl=0.4, alpha_policy=policy),
+                                   {"error": _computed((16 / n) ** rate * 0.1), "time": _timing(base * n**2 * 1e-6, "s")}))
+        cases.append(_case("float", f"creep,{solver},{precision}", _solver(solver, precision, test="creep", what="1e-8 m per step"), {"error": _computed(1e-6)}))
+    cases.append(_case("speedup", "optimized,float,1T,plastic,100000", _solver("optimized", "float", deformation="plastic", particles=100000), {"speedup": _timing(20.0, "1", "higher")}))
+    for value in (0, 0.5, 1):
+        cases.append(_case("stability", f"reference,alpha={value}", _solver("reference", "double", varied="alpha", value=value),
+                           {"cfl": _computed(1.5, "neither"), "predicted_cfl": _computed(1.48, "neither")}))
+    cases.append(_case("skips", "box,elastic", _solver("optimized", "float", skip="box", situation="elastic"), {"saved": _computed(0.3, "higher")}))
+    cases.append(_case("skips", "box,plastic", _solver("optimized", "float", skip="box", situation="plastic"), {"saved": _computed(-0.03, "higher")}))
+    cases.append(_case("targets", "avx2,float", _solver("optimized", "float", target="avx2", deformation="plastic"), {"time": _timing(100.0)}))
+    cases.append(_case("kernels", "svd,Eigen", {"kernel": "SVD", "code": "Eigen", "precision": "double"}, {"time": _timing(800.0)}))
+    cases.append(_case("kernels", "svd,optimized", {"kernel": "SVD", "code": "optimized", "precision": "double"}, {"time": _timing(20.0)}))
+    return cases
+
+
+def write_results(path, slow=(), status=(), noise=0.01, verify="VALID", cases=None):
+    """Results whose medians are known. `slow`: {case name: factor on its times};
+    `status`: {case name: status}; `noise`: relative half-width of the repetitions."""
+    slow, status = dict(slow), dict(status)
+    text = h5py.string_dtype()
+    with h5py.File(path, "w") as file:
+        file.attrs.update({"format": "firn-results", "version": 1.0, "firn_version": "0.1.0"})
+        file.create_group("sessions/0").attrs.update({"processor": "synthetic", "processors": 2.0, "git_commit": "abc", "started": "2026-01-01T00:00:00Z"})
+        for i, case in enumerate(synthetic_cases() if cases is None else cases):
+            group = file.create_group(f"cases/{case['suite']}/{case['name']}")
+            state = status.get(case["name"], case["status"])
+            group.attrs.update({"title": case["name"], "command": f"firn bench '{case['suite']}/{case['name']}'", "status": state,
+                                "message": "" if state == "measured" else f"made {state}", "validation": "synthetic", "session": 0.0})
+            group.create_group("parameters").attrs.update({k: float(v) if isinstance(v, (int, float)) else v for k, v in case["parameters"].items()})
+            for name, (value, units, better, timed) in case["quantities"].items():
+                factor = slow.get(case["name"], 1.0) if timed else 1.0
+                value = value * factor if better == "lower" else value / factor
+                values = value * (1 + noise * np.linspace(-1, 1, 9)) if timed else [value]
+                data = group.create_dataset(f"quantities/{name}", data=values)
+                data.attrs.update({"units": units, "meaning": name, "better": better, "timed": float(timed)})
+            group["calibration"] = 2e-3 * (1 + 0.02 * np.random.default_rng(i).standard_normal(6))
+        if verify:
+            group = file.create_group("verify/optimized, float")
+            group.attrs.update({"verdict": verify, "command": "firn verify --solver optimized", "session": 0.0})
+            errors = [0.3, 0.01, 0.7 if verify == "VALID" else 12.0]
+            columns = {"topic": ["kernel", "kernel", "conservation"], "check": ["sum of weights", "gradients", "momentum"],
+                       "verdict": ["VALID" if e <= 1 else "INVALID" for e in errors], "command": ["firn verify --filter x"] * 3}
+            for name, values in columns.items():
+                group.create_dataset(name, data=values, dtype=text)
+            group["error"] = errors
+            mutants = file.create_group("mutants")
+            mutants.attrs["command"] = "firn verify --mutants"
+            for name, values in {"name": ["sign", "transpose"], "patch": ["f", "F"], "stage": ["grid_forces"] * 2, "named_stage": ["grid_forces"] * 2, "caught_by": ["momentum"] * 2}.items():
+                mutants.create_dataset(name, data=values, dtype=text)
+            mutants["caught"] = [1.0, 1.0]
+    return path

@@ -1,0 +1,142 @@
+"""Reading results, comparing them with a baseline, and the page that tells of them."""
+
+import h5py
+import numpy as np
+import pytest
+
+from firn_reports import baseline, results, results_figures, results_page, results_tables, synthetic
+from firn_reports.__main__ import main
+from firn_reports.page import Page
+
+PLASTIC = "optimized,float,1T,plastic,100000"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("results")
+
+
+@pytest.fixture(scope="module")
+def plain(folder):
+    return results.read(synthetic.write_results(folder / "plain.h5"))
+
+
+def test_every_repetition_and_every_fact_is_read(plain):
+    case = plain.find("steps", PLASTIC)
+    assert len(case.quantities["time"].values) == 9 and case.value("time") == pytest.approx(100)
+    assert case["threads"] == 1 and case["deformation"] == "plastic" and case.command.startswith("firn bench ")
+    assert plain.verify["optimized, float"]["rows"][2] == {"topic": "conservation", "check": "momentum", "error": 0.7,
+                                                           "verdict": "VALID", "command": "firn verify --filter x"}
+    assert len(plain.mutants["rows"]) == 2 and plain.sessions[0]["processor"] == "synthetic"
+
+
+def test_what_is_noisy_or_invalid_is_never_quoted(folder):
+    r = results.read(synthetic.write_results(folder / "noisy.h5", status={PLASTIC: "noisy"}))
+    assert r.find("steps", PLASTIC).value("time") is None
+    table = results_tables.of_suite(r, "steps", "speed", "")[0]
+    row = next(row for row in table.rows if "made" not in row and row[-1].text.endswith(f"{PLASTIC}'"))
+    assert row[table.columns.index("time [ns]")] is None and str(row[-2]) == "noisy"
+    assert all(c.name != PLASTIC for c, *_ in results_figures.roofline_points(r))
+
+
+def test_the_same_run_is_neither_slower_nor_faster(plain):
+    kinds = {c.kind for c in baseline.compare(plain, plain)}
+    assert kinds == {"same"}
+
+
+@pytest.mark.parametrize("factor, kind", [(1.3, "worse"), (0.7, "better"), (1.05, "same")])
+def test_a_slow_down_beyond_the_threshold_is_found(folder, plain, factor, kind):
+    new = results.read(synthetic.write_results(folder / "new.h5", slow={PLASTIC: factor}))
+    changes = {(c.case.suite, c.case.name, c.quantity): c for c in baseline.compare(new, plain)}
+    assert changes["steps", PLASTIC, "time"].kind == kind and changes["steps", PLASTIC, "rate"].kind == kind
+    assert changes["steps", PLASTIC, "time"].ratio == pytest.approx(factor)
+    others = {c.kind for (suite, name, _), c in changes.items() if name != PLASTIC}
+    assert others == {"same"}
+
+
+def test_noise_hides_a_change_that_it_could_have_made(folder, plain):
+    # Half-width 60 %: quartiles ±30 %, 3 standard errors of the median ± 56 %.
+    new = results.read(synthetic.write_results(folder / "wide.h5", slow={PLASTIC: 1.3}, noise=0.6))
+    change = next(c for c in baseline.compare(new, plain) if c.case.name == PLASTIC and c.case.suite == "steps" and c.quantity == "time")
+    assert change.uncertainty == pytest.approx(3 * 1.25 * 0.6 / 1.35 / 3, rel=0.02) and change.kind == "same"
+
+
+@pytest.mark.parametrize("factor, exit_status", [(1.3, 1), (1.0, 0), (0.7, 0)])
+def test_exit_status_against_a_baseline(folder, tmp_path, plain, capsys, factor, exit_status):
+    new = synthetic.write_results(folder / "exit.h5", slow={PLASTIC: factor})
+    assert main([str(new), "--baseline", str(plain.path), "-o", str(tmp_path)]) == exit_status
+    html = (tmp_path / "index.html").read_text()
+    assert ("SLOWER" in html) == bool(exit_status) and "Against the baseline" in html
+    assert main([str(new), "--baseline", str(plain.path), "--threshold", "0.5", "-o", str(tmp_path)]) == 0
+
+
+def test_a_case_that_no_longer_works_fails_the_comparison(folder, tmp_path, plain):
+    new = synthetic.write_results(folder / "broken.h5", status={PLASTIC: "invalid"})
+    assert main([str(new), "--baseline", str(plain.path), "-o", str(tmp_path)]) == 1
+
+
+def verdict_of(path):
+    r = results.read(path)
+    page = Page("")
+    results_page.set_verdict(page, r, None, [], [])
+    return page.verdict.text
+
+
+def test_the_verdict_needs_every_check_and_every_case(folder):
+    assert verdict_of(synthetic.write_results(folder / "v.h5")) == "VALID"
+    assert verdict_of(synthetic.write_results(folder / "v.h5", verify="INVALID")) == "INVALID"
+    assert verdict_of(synthetic.write_results(folder / "v.h5", status={PLASTIC: "failed"})) == "INVALID"
+    path = synthetic.write_results(folder / "v.h5")
+    with h5py.File(path, "a") as file:
+        file["mutants/caught"][1] = 0
+    assert verdict_of(path) == "INVALID"
+
+
+def test_orders_and_pareto_front(plain):
+    order, where = results_tables.best_order(results.read(plain.path)) or (None, "")
+    assert order == pytest.approx(2.0) and "32 to 64" in where and "reference" in where
+    assert results_figures.pareto([(1, 5), (2, 6), (3, 1), (0.5, 9), (4, 1)]) == [3, 0, 2]
+
+
+def test_share_of_the_peak_is_the_plain_count_over_the_probe(plain):
+    share, _ = results_figures.best_share_of_peak(plain)
+    # The fastest: 70 ns per particle-step, against 1e11 flop/s.
+    assert share == pytest.approx(64 * 64 / 70e-9 / 1e11)
+
+
+def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
+    assert results_tables.worst_scaling(plain)[0] == pytest.approx(2.0)
+    assert results_tables.size_growth(plain)[0] == pytest.approx(1.0)
+    assert results_tables.costliest_skip(plain)[1:] == ("box", "plastic")
+
+
+def test_every_table_has_its_csv(folder, tmp_path):
+    path = synthetic.write_results(folder / "csv.h5")
+    assert main([str(path), "-o", str(tmp_path)]) == 0
+    names = {p.stem for p in (tmp_path / "csv").iterdir()}
+    assert {"speed", "accuracy", "orders", "stability", "skips", "verify_1", "mutants", "repetitions", "cases"} <= names
+    rows = (tmp_path / "csv" / "repetitions.csv").read_text().splitlines()
+    expected = sum(len(q.values) for c in results.read(path).cases for q in c.quantities.values())
+    assert len(rows) == 1 + expected
+
+
+def test_a_file_with_a_verification_alone_and_an_empty_one_give_pages(folder, tmp_path):
+    assert main([str(synthetic.write_results(folder / "verify.h5", cases=[])), "-o", str(tmp_path / "a")]) == 0
+    assert "3 checks passed" in (tmp_path / "a" / "index.html").read_text()
+    assert main([str(synthetic.write_results(folder / "empty.h5", cases=[], verify="")), "-o", str(tmp_path / "b")]) == 0
+
+
+def test_a_damaged_results_file_gets_one_line_and_exit_2(folder, tmp_path, capsys):
+    path = synthetic.write_results(folder / "damaged.h5")
+    with h5py.File(path, "a") as file:
+        del file[f"cases/steps/{PLASTIC}"].attrs["status"]
+    assert main([str(path), "-o", str(tmp_path / "x")]) == 2
+    assert capsys.readouterr().err.count("\n") == 1 and not (tmp_path / "x").exists()
+
+
+def test_median_error_of_normal_repetitions():
+    random = np.random.default_rng(1)
+    samples = 100 + random.standard_normal((2000, 25))
+    estimated = np.mean([baseline.median_error(s) for s in samples]) * 100
+    actual = np.std(np.median(samples, axis=1))
+    assert estimated == pytest.approx(actual, rel=0.1)
