@@ -71,10 +71,13 @@ void TrajectoryFile::count_rows(std::int64_t rows) {
   flush();
 }
 
-/// NSteps first, then its time: Steps/Values must never be the longer one.
+/// NSteps and the length of Steps/Values have to change together: VTK reads all
+/// of Values into NSteps places. They do: HDF5 keeps both in headers that were
+/// created one right after the other (create_steps), and its accumulator makes
+/// one write of neighbours that are flushed together. The kill test would see
+/// two.
 void TrajectoryFile::count_frames(std::int64_t frames, double time) {
   hdf5::rewrite_integer(file_.get(), "/VTKHDF/Steps", "NSteps", frames);
-  flush();
   const std::string name = "/VTKHDF/Steps/Values";
   const hsize_t length = static_cast<hsize_t>(frames);
   hdf5::written(H5Dset_extent(slots(name), &length), name);

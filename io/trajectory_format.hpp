@@ -11,8 +11,8 @@
 /// The file counts its frames in `/VTKHDF/Steps`, attribute NSteps, and its rows
 /// in `/firn/diagnostics`, attribute rows. Arrays may be longer than that while
 /// the file is being written, and stay longer if the writer is killed. The one
-/// exception is Steps/Values: VTK reads all of it into NSteps places, so it is
-/// never longer, and shorter by one for the instant in which a frame is added.
+/// exception is Steps/Values, which has NSteps values at any moment: VTK's
+/// reader copies all of it into NSteps places and crashes if there are more.
 
 #include <array>
 #include <cstdint>

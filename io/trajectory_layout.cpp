@@ -52,7 +52,8 @@ void create_cells(hid_t file, std::int64_t particles) {
 }
 
 /// Where each frame's particles begin: known for all frames beforehand. There
-/// is one part, the same for all frames, as the number of particles is.
+/// is one part, the same for all frames, as the number of particles is. NSteps
+/// and Values come first and together, see TrajectoryFile::count_frames().
 void create_steps(hid_t file, std::int64_t particles, std::int64_t frames) {
   const std::string steps = "/VTKHDF/Steps";
   hdf5::create_group(file, steps);

@@ -68,8 +68,7 @@ void require_vtkhdf_polydata(const hdf5::InputFile& file) {
 
 }  // namespace
 
-/// Frames are counted by NSteps; the instant in which NSteps is ahead of
-/// Steps/Values is that of a frame not yet complete.
+/// Frames are counted by NSteps; one without a time is not complete.
 void TrajectoryReader::Open::read_steps() {
   const std::string steps = "/VTKHDF/Steps/";
   std::int64_t count = file.integer_attribute("/VTKHDF/Steps", "NSteps");

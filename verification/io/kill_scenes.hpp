@@ -8,7 +8,7 @@
 
 namespace firn::testing {
 
-/// "fixed": 12 steps, 4 frames. "adaptive": Δt falls to a tenth, so that the
+/// "fixed": 12 steps, 4 frames. "adaptive": 3 frames, Δt falls to a tenth, so that the
 /// file has to grow for the rows and shrink in the end.
 inline Scene kill_scene(const std::string& kind) {
   if (kind == "fixed") {
@@ -20,6 +20,7 @@ inline Scene kill_scene(const std::string& kind) {
   scene.gravity *= 1000;
   scene.time.end = 0.01;
   scene.time.cfl = 0.12;
+  scene.time.frames_per_second = 200;
   return scene;
 }
 

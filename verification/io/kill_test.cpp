@@ -125,10 +125,9 @@ class Whole {
   std::map<std::int64_t, std::vector<std::byte>> restarts;
 };
 
-/// The file holds all that was reported, and nothing wrong. `own_frames`: which
-/// steps may have a frame that the whole run has not (0 or 1 of them).
+/// The file holds all that was reported, and nothing wrong.
 void judge(const std::filesystem::path& path, const std::vector<Frame>& reported,
-           const Whole& whole) {
+           const Whole& whole, bool torn) {
   if (!std::filesystem::exists(path)) {
     EXPECT_TRUE(reported.empty()) << "a frame was reported, and there is no file";
     return;
@@ -153,10 +152,13 @@ void judge(const std::filesystem::path& path, const std::vector<Frame>& reported
     EXPECT_EQ(rows[n].time, whole.rows[n].time);
     EXPECT_EQ(rows[n].momentum, whole.rows[n].momentum);
   }
-  // VTK's reader copies all of Steps/Values into NSteps places.
+  // VTK's reader copies all of Steps/Values into NSteps places; one that is cut off in the middle
+  // of that very write (352 bytes in one page, so no system does it) may be one short.
   const hdf5::InputFile file(path);
-  EXPECT_LE(file.dataset("/VTKHDF/Steps/Values", hdf5::Kind::real, 1).rows(),
-            file.integer_attribute("/VTKHDF/Steps", "NSteps"));
+  const std::int64_t times = file.dataset("/VTKHDF/Steps/Values", hdf5::Kind::real, 1).rows();
+  const std::int64_t counted = file.integer_attribute("/VTKHDF/Steps", "NSteps");
+  EXPECT_TRUE(times == counted || (torn && times == counted - 1))
+      << times << " times of " << counted << " frames";
 }
 
 void expect_no_partial_file(const TemporaryFolder& folder) {
@@ -208,7 +210,7 @@ TEST_P(KillAtEveryWrite, LosesNothingThatWasReported) {
     if (c.prepare != nullptr)
       outcome.reported.insert(outcome.reported.begin(), reported_before.begin(),
                               reported_before.end());
-    judge(path, outcome.reported, whole);
+    judge(path, outcome.reported, whole, c.torn);
     run_here(scene, path, std::filesystem::exists(path) ? path : "");
     EXPECT_TRUE(bytes_of(path) == whole.bytes) << "the continued run is another one";
     expect_no_partial_file(folder);
