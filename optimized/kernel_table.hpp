@@ -43,6 +43,9 @@ struct KernelTable {
 
   /// V P Fᵀ and the hardened stiffness of every particle, whatever F_E is.
   void (*stress)(const BlockView<T>&, const StepConstants<T>&);
+
+  /// V_p0 Ψ and J_E − 1 of every particle.
+  void (*measure)(const BlockView<T>&, const StepConstants<T>&, T* energy, T* J_minus_1);
 };
 
 /// The table for the instruction set in use.

@@ -95,18 +95,26 @@ HWY_INLINE void accumulate_force(const ParticleRows<T>* rows, const T* record, i
                                  T* sums) {
   RowSums<T> a[2] = {RowSums<T>(sums), RowSums<T>(sums + (count - 1) * tile_row_size<T>)};
   for (int p = 0; p < n; ++p, record += record_size) {
+    // Weight by weight, not row by row: at most two weights are alive at a time, and
+    // 8 sums, 2 b and 2 D fit into 16 registers beside them.
     const Row<T> w_y = all(record + record_w_y + j), d_y = all(record + record_d_y + j);
-    const Row<T> t = all(record + record_t);
-    const Row<T> w0 = all(record + record_w_x0), w3 = all(record + record_w_x3);
-    const Row<T> d0 = all(record + record_d_x0), d3 = all(record + record_d_x3);
+    Row<T> b[count], D[count];
     for (int r = 0; r < count; ++r) {
-      const Row<T> D = w_y * rows[p].x[first + r];
-      const Row<T> b = mul_add(d_y, rows[p].y[first + r], w_y * rows[p].z[first + r]);
-      a[r].s0 = a[r].s0 + b;
-      a[r].s1 = a[r].s1 + mul_add(t, b, D);
-      a[r].n0 = mul_add(d0, D, mul_add(w0, b, a[r].n0));
-      a[r].n3 = mul_add(d3, D, mul_add(w3, b, a[r].n3));
+      b[r] = w_y * rows[p].z[first + r];
+      D[r] = w_y * rows[p].x[first + r];
     }
+    for (int r = 0; r < count; ++r) b[r] = mul_add(d_y, rows[p].y[first + r], b[r]);
+    for (int r = 0; r < count; ++r) a[r].s0 = a[r].s0 + b[r];
+    const Row<T> t = all(record + record_t);
+    for (int r = 0; r < count; ++r) a[r].s1 = mul_add(t, b[r], a[r].s1) + D[r];
+    const Row<T> w0 = all(record + record_w_x0);
+    for (int r = 0; r < count; ++r) a[r].n0 = mul_add(w0, b[r], a[r].n0);
+    const Row<T> d0 = all(record + record_d_x0);
+    for (int r = 0; r < count; ++r) a[r].n0 = mul_add(d0, D[r], a[r].n0);
+    const Row<T> w3 = all(record + record_w_x3);
+    for (int r = 0; r < count; ++r) a[r].n3 = mul_add(w3, b[r], a[r].n3);
+    const Row<T> d3 = all(record + record_d_x3);
+    for (int r = 0; r < count; ++r) a[r].n3 = mul_add(d3, D[r], a[r].n3);
   }
   for (int r = 0; r < count; ++r) a[r].store(sums + r * tile_row_size<T>);
 }

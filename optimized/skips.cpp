@@ -21,10 +21,8 @@ SkipSet SkipSet::from_text(std::string_view names) {
     };
     turn_off("box", s.box);
     turn_off("contact", s.contact);
-    turn_off("undeformed", s.undeformed);
     if (!known)
-      throw InputError("FIRN_NO_SKIP", "name of a skip", std::string(name),
-                       "all, box, contact, undeformed");
+      throw InputError("FIRN_NO_SKIP", "name of a skip", std::string(name), "all, box, contact");
   }
   return s;
 }

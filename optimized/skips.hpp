@@ -8,9 +8,8 @@
 namespace firn::optimized {
 
 struct SkipSet {
-  bool box = true;         ///< return map of particles certified inside the elastic box
-  bool contact = true;     ///< collision tests of blocks out of every collider's reach
-  bool undeformed = true;  ///< stress of blocks that have never been deformed
+  bool box = true;      ///< return map of particles certified inside the elastic box
+  bool contact = true;  ///< collision tests of blocks out of every collider's reach
 
   /// All but those that FIRN_NO_SKIP names, separated by commas ("all" for all of
   /// them). InputError for an unknown name.

@@ -84,6 +84,8 @@ void OptimizedSolver<T>::load(const Scene& scene, const State& state) {
   volumes_found_ = false;
   particles_.load(scene, state);
   nodes_stale_ = stress_stale_ = tiles_stale_ = gathered_stale_ = true;
+  prepare(scene.time.adaptive ? scene.time.max_step : scene.time.step);
+  dt_ = state.dt;
   if (next_ != Stage::rasterize) {
     refresh_nodes();
     load_grid(state.grid);
@@ -236,11 +238,6 @@ void OptimizedSolver<T>::store(State& state) const {
   particles_.store(state.particles);
   state.grid.clear();
   if (next_ != Stage::rasterize) store_grid(state.grid);
-}
-
-template <class T>
-Diagnostics OptimizedSolver<T>::diagnostics() const {
-  return Solver::diagnostics();
 }
 
 template <class T>

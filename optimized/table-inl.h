@@ -9,6 +9,7 @@
 
 #include "optimized/grid-inl.h"
 #include "optimized/kernel_table.hpp"
+#include "optimized/measure-inl.h"
 #include "optimized/p2g-inl.h"
 #include "optimized/update-inl.h"
 
@@ -39,6 +40,7 @@ KernelTable<T> make_table() {
   t.difference = &difference<T>;
   t.update = &update<T>;
   t.stress = &stress_pass<T>;
+  t.measure = &measure_pass<T>;
   return t;
 }
 
