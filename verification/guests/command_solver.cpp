@@ -1,0 +1,167 @@
+#include "verification/guests/command_solver.hpp"
+
+#include <stdlib.h>
+
+#include "firn/build_info.hpp"
+#include "firn/error.hpp"
+#include "firn/machine.hpp"
+#include "io/scene/scene_file.hpp"
+#include "io/trajectory_reader.hpp"
+#include "io/trajectory_writer.hpp"
+#include "verification/guests/child_process.hpp"
+
+namespace firn::guest {
+
+namespace {
+
+constexpr const char* input_name = "in.vtkhdf";
+constexpr const char* output_name = "out.vtkhdf";
+
+std::string replaced(std::string word, const std::string& from, const std::string& to) {
+  for (std::size_t at = word.find(from); at != std::string::npos; at = word.find(from, at + to.size()))
+    word.replace(at, from.size(), to);
+  return word;
+}
+
+void require_placeholders(const std::string& command) {
+  for (const char* placeholder : {"{in}", "{out}", "{steps}"})
+    if (command.find(placeholder) == std::string::npos)
+      throw InputError("--solver", std::string("placeholder ") + placeholder, "none in exec:" + command,
+                       "exec:COMMAND with {in}, {out} and {steps}");
+}
+
+std::filesystem::path make_folder() {
+  std::string pattern = (std::filesystem::temp_directory_path() / "firn-guest-XXXXXX").string();
+  if (mkdtemp(pattern.data()) == nullptr)
+    throw InputError("--solver", "temporary folder", pattern, "a writable folder (TMPDIR)");
+  return pattern;
+}
+
+}  // namespace
+
+std::vector<std::string> split_command(const std::string& command) {
+  std::vector<std::string> words;
+  bool in_word = false;
+  char quote = 0;
+  for (const char c : command) {
+    if (quote != 0 && c == quote) {
+      quote = 0;
+    } else if (quote != 0) {
+      words.back() += c;
+    } else if (c == ' ' || c == '\t') {
+      in_word = false;
+    } else {
+      if (!in_word) words.emplace_back();
+      in_word = true;
+      if (c == '\'' || c == '"')
+        quote = c;
+      else
+        words.back() += c;
+    }
+  }
+  if (quote != 0) throw InputError("--solver", "quote", command, "as many closing as opening ones");
+  if (words.empty()) throw InputError("--solver", "command", "nothing", "exec:COMMAND with {in}, {out} and {steps}");
+  return words;
+}
+
+CommandSolver::CommandSolver(const std::string& command, const SolverOptions& options,
+                             const GuestOptions& guest_options)
+    : words_(split_command(command)), guest_options_(guest_options) {
+  require_placeholders(command);
+  traits_.name = "exec:" + command;
+  traits_.precision = options.precision;
+  traits_.stops = {Stage::positions};
+  traits_.semi_implicit = true;  // the scene tells it; what it makes of it is judged
+  folder_ = make_folder();
+}
+
+CommandSolver::~CommandSolver() {
+  std::error_code ignored;
+  std::filesystem::remove_all(folder_, ignored);
+}
+
+void CommandSolver::load(const Scene& scene, const State& state) {
+  if (state.next != Stage::rasterize)
+    throw InputError("--solver", "state inside a step", std::string(name(state.next)), "between steps: a command takes whole steps");
+  scene_ = &scene;
+  state_ = state;
+  state_.grid.clear();
+}
+
+TimeStep CommandSolver::choose_time_step() {
+  if (scene_->time.adaptive)
+    throw InputError("time", "adaptive step with solver " + traits_.name, "max_step, cfl, elastic_cfl", "a fixed step");
+  return {scene_->time.step, TimeStepBound::fixed};
+}
+
+StepReport CommandSolver::advance_through(Stage last, double dt) {
+  if (last != Stage::positions)
+    throw InputError("--solver", "stop of a command", std::string(name(last)), "positions");
+  write_input(dt);
+  run_command();
+  read_output(dt);
+  StepReport report;
+  report.dt = dt;
+  return report;
+}
+
+void CommandSolver::write_input(double dt) const {
+  Scene scene = *scene_;
+  scene.time.adaptive = false;
+  scene.time.step = dt;
+  TrajectoryInfo info;
+  info.solver = "firn";
+  info.precision = traits_.precision;
+  info.firn_version = build_info().version;
+  info.processor = processor_name();
+  info.scene = resolved_toml(scene);
+  std::filesystem::remove(folder_ / input_name);
+  std::filesystem::remove(folder_ / output_name);
+  TrajectoryWriter writer(folder_ / input_name, info, static_cast<std::int64_t>(state_.particles.size()), 0, 1, 0);
+  writer.write_frame(state_, {});
+  writer.finish();
+}
+
+void CommandSolver::run_command() const {
+  std::vector<std::string> words = words_;
+  for (std::string& word : words) {
+    word = replaced(word, "{in}", (folder_ / input_name).string());
+    word = replaced(word, "{out}", (folder_ / output_name).string());
+    word = replaced(word, "{steps}", "1");
+  }
+  ChildProcess process(words, -1);
+  const auto limit = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(guest_options_.time_limit));
+  if (!process.wait_until(Clock::now() + limit))
+    fail("did not end within " + to_text(guest_options_.time_limit) + " s");
+  if (!process.succeeded()) fail("ended: " + process.how_it_ended());
+}
+
+void CommandSolver::read_output(double dt) {
+  const std::filesystem::path path = folder_ / output_name;
+  if (!std::filesystem::exists(path)) fail("wrote no file at {out}");
+  State stored;
+  try {
+    const TrajectoryReader reader(path);
+    if (reader.frames() < 1) fail("wrote a trajectory without a frame");
+    stored = reader.read_frame_unchecked(reader.frames() - 1);
+  } catch (const InputError& error) {
+    fail(std::string("wrote what is no trajectory: ") + error.what());
+  }
+  if (stored.particles.size() != state_.particles.size())
+    fail("gave back " + std::to_string(stored.particles.size()) + " particles of " +
+         std::to_string(state_.particles.size()));
+  if (stored.particles.id != state_.particles.id) fail("gave the particles back with other ids or in another order");
+  // Material indices mean the scene's; time and step are Firn's own count.
+  stored.particles.material = state_.particles.material;
+  stored.time = state_.time + dt;
+  stored.step = state_.step + 1;
+  state_ = std::move(stored);
+}
+
+void CommandSolver::fail(const std::string& what) const {
+  SimulationError error(Stage::positions, SimulationError::Subject::solver, -1, "guest " + traits_.name + " " + what);
+  error.state_intact = true;
+  throw error;
+}
+
+}  // namespace firn::guest
