@@ -32,6 +32,19 @@ void print_error(std::string text) {
   std::fprintf(stderr, "firn: %s\n", text.c_str());
 }
 
+/// What CLI11 says, or which word is no verb.
+std::string usage_error(const CLI::App& app, const CLI::ParseError& error) {
+  std::string text = error.what();
+  const std::vector<std::string> extra = app.remaining();
+  if (app.get_subcommands().empty() && !extra.empty()) {
+    text = "verb: unknown: got ";
+    text += extra.front() + ", allowed:";
+    for (const CLI::App* verb : app.get_subcommands([](const CLI::App*) { return true; }))
+      text += " " + verb->get_name();
+  }
+  return text + " (see firn --help)";
+}
+
 int run_program(int argc, char** argv, firn::cli::Context& context) {
   using namespace firn::cli;
   CLI::App app{
@@ -58,7 +71,7 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
   } catch (const CLI::Success& success) {
     return app.exit(success);  // --help, --version
   } catch (const CLI::ParseError& error) {
-    print_error(std::string(error.what()) + " (see firn --help)");
+    print_error(usage_error(app, error));
     return exit_bad_input;
   }
   return context.exit;

@@ -3,6 +3,7 @@
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
 #include "io/scene/scene_file.hpp"
+#include "verification/guests/guests.hpp"
 
 namespace firn::cli {
 
@@ -39,17 +40,25 @@ SolverOptions SolverOption::settings() const {
 }
 
 std::unique_ptr<Solver> SolverOption::create(const Registry& registry) const {
-  return registry.create(name, settings());
+  if (!names_a_guest(name)) return registry.create(name, settings());
+  GuestOptions guest;
+  guest.time_limit = time_limit;
+  return make_guest_solver(name, settings(), guest);
 }
 
 std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver) {
   auto option = std::make_shared<SolverOption>();
   option->name = default_solver;
-  verb.add_option("--solver", option->name, "a name that `firn solvers` prints")
+  verb.add_option(
+          "--solver", option->name,
+          "a name that `firn solvers` prints, ./LIBRARY.so, or \"exec:COMMAND {in} {out} {steps}\"")
       ->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,
                   "threads; 0 = one per processor; the result does not depend on it")
+      ->capture_default_str();
+  verb.add_option("--time-limit", option->time_limit,
+                  "seconds that a library or command may take for one answer")
       ->capture_default_str();
   return option;
 }

@@ -24,14 +24,15 @@ std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb);
 struct SolverOption {
   std::string name;
   std::string precision = "double";
-  int threads = 0;  ///< 0: as many as the machine has
+  int threads = 0;         ///< 0: as many as the machine has
+  double time_limit = 60;  ///< for each answer of a guest [s]
 
   /// Throws InputError.
   std::unique_ptr<Solver> create(const Registry& registry) const;
   SolverOptions settings() const;
 };
 
-/// --solver, --precision and --threads.
+/// --solver, --precision, --threads and --time-limit.
 std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver);
 
 }  // namespace firn::cli

@@ -12,7 +12,7 @@ install(TARGETS ${firn_libraries} firn_arithmetic EXPORT FirnTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 if(TARGET firn)
-  install(TARGETS firn RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(TARGETS firn firn-guest RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 
 # Headers keep their place under the project's root, so that an #include reads the

@@ -51,5 +51,7 @@ function(firn_add_test name)
     set(ARG_LABELS fast)  # an empty value would swallow the TIMEOUT that follows
   endif()
   gtest_discover_tests(${name} TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600)
+    PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 600
+    # Threads that wait do so asleep: tests share the machine with other tests.
+    ENVIRONMENT OMP_WAIT_POLICY=passive)
 endfunction()

@@ -1,6 +1,9 @@
 #include "verification/guests/command_solver.hpp"
 
+#include <cstdlib>
+#include <sstream>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
@@ -18,7 +21,8 @@ constexpr const char* input_name = "in.vtkhdf";
 constexpr const char* output_name = "out.vtkhdf";
 
 std::string replaced(std::string word, const std::string& from, const std::string& to) {
-  for (std::size_t at = word.find(from); at != std::string::npos; at = word.find(from, at + to.size()))
+  for (std::size_t at = word.find(from); at != std::string::npos;
+       at = word.find(from, at + to.size()))
     word.replace(at, from.size(), to);
   return word;
 }
@@ -26,8 +30,18 @@ std::string replaced(std::string word, const std::string& from, const std::strin
 void require_placeholders(const std::string& command) {
   for (const char* placeholder : {"{in}", "{out}", "{steps}"})
     if (command.find(placeholder) == std::string::npos)
-      throw InputError("--solver", std::string("placeholder ") + placeholder, "none in exec:" + command,
-                       "exec:COMMAND with {in}, {out} and {steps}");
+      throw InputError("--solver", std::string("placeholder ") + placeholder,
+                       "none in exec:" + command, "exec:COMMAND with {in}, {out} and {steps}");
+}
+
+/// As execvp would find it.
+bool is_program(const std::string& word) {
+  if (word.find('/') != std::string::npos) return access(word.c_str(), X_OK) == 0;
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path == nullptr ? "/bin:/usr/bin" : path);
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access((std::filesystem::path(folder) / word).c_str(), X_OK) == 0) return true;
+  return false;
 }
 
 std::filesystem::path make_folder() {
@@ -60,7 +74,8 @@ std::vector<std::string> split_command(const std::string& command) {
     }
   }
   if (quote != 0) throw InputError("--solver", "quote", command, "as many closing as opening ones");
-  if (words.empty()) throw InputError("--solver", "command", "nothing", "exec:COMMAND with {in}, {out} and {steps}");
+  if (words.empty())
+    throw InputError("--solver", "command", "nothing", "exec:COMMAND with {in}, {out} and {steps}");
   return words;
 }
 
@@ -68,6 +83,9 @@ CommandSolver::CommandSolver(const std::string& command, const SolverOptions& op
                              const GuestOptions& guest_options)
     : words_(split_command(command)), guest_options_(guest_options) {
   require_placeholders(command);
+  if (!is_program(words_.front()))
+    throw InputError("--solver", "program to run", words_.front(),
+                     "an executable file, with a path or on PATH");
   traits_.name = "exec:" + command;
   traits_.precision = options.precision;
   traits_.stops = {Stage::positions};
@@ -82,7 +100,8 @@ CommandSolver::~CommandSolver() {
 
 void CommandSolver::load(const Scene& scene, const State& state) {
   if (state.next != Stage::rasterize)
-    throw InputError("--solver", "state inside a step", std::string(name(state.next)), "between steps: a command takes whole steps");
+    throw InputError("--solver", "state inside a step", std::string(name(state.next)),
+                     "between steps: a command takes whole steps");
   scene_ = &scene;
   state_ = state;
   state_.grid.clear();
@@ -90,7 +109,8 @@ void CommandSolver::load(const Scene& scene, const State& state) {
 
 TimeStep CommandSolver::choose_time_step() {
   if (scene_->time.adaptive)
-    throw InputError("time", "adaptive step with solver " + traits_.name, "max_step, cfl, elastic_cfl", "a fixed step");
+    throw InputError("time", "adaptive step with solver " + traits_.name,
+                     "max_step, cfl, elastic_cfl", "a fixed step");
   return {scene_->time.step, TimeStepBound::fixed};
 }
 
@@ -117,7 +137,8 @@ void CommandSolver::write_input(double dt) const {
   info.scene = resolved_toml(scene);
   std::filesystem::remove(folder_ / input_name);
   std::filesystem::remove(folder_ / output_name);
-  TrajectoryWriter writer(folder_ / input_name, info, static_cast<std::int64_t>(state_.particles.size()), 0, 1, 0);
+  TrajectoryWriter writer(folder_ / input_name, info,
+                          static_cast<std::int64_t>(state_.particles.size()), 0, 1, 0);
   writer.write_frame(state_, {});
   writer.finish();
 }
@@ -130,7 +151,8 @@ void CommandSolver::run_command() const {
     word = replaced(word, "{steps}", "1");
   }
   ChildProcess process(words, -1);
-  const auto limit = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(guest_options_.time_limit));
+  const auto limit = std::chrono::duration_cast<Clock::duration>(
+      std::chrono::duration<double>(guest_options_.time_limit));
   if (!process.wait_until(Clock::now() + limit))
     fail("did not end within " + to_text(guest_options_.time_limit) + " s");
   if (!process.succeeded()) fail("ended: " + process.how_it_ended());
@@ -150,7 +172,8 @@ void CommandSolver::read_output(double dt) {
   if (stored.particles.size() != state_.particles.size())
     fail("gave back " + std::to_string(stored.particles.size()) + " particles of " +
          std::to_string(state_.particles.size()));
-  if (stored.particles.id != state_.particles.id) fail("gave the particles back with other ids or in another order");
+  if (stored.particles.id != state_.particles.id)
+    fail("gave the particles back with other ids or in another order");
   // Material indices mean the scene's; time and step are Firn's own count.
   stored.particles.material = state_.particles.material;
   stored.time = state_.time + dt;
@@ -159,7 +182,8 @@ void CommandSolver::read_output(double dt) {
 }
 
 void CommandSolver::fail(const std::string& what) const {
-  SimulationError error(Stage::positions, SimulationError::Subject::solver, -1, "guest " + traits_.name + " " + what);
+  SimulationError error(Stage::positions, SimulationError::Subject::solver, -1,
+                        "guest " + traits_.name + " " + what);
   error.state_intact = true;
   throw error;
 }

@@ -15,7 +15,8 @@ namespace firn::guest {
 /// the file to write, {steps} how many steps (1). Stops only between steps.
 class CommandSolver : public Solver {
  public:
-  CommandSolver(const std::string& command, const SolverOptions& options, const GuestOptions& guest_options);
+  CommandSolver(const std::string& command, const SolverOptions& options,
+                const GuestOptions& guest_options);
   ~CommandSolver() override;
 
   const SolverTraits& traits() const override { return traits_; }

@@ -24,10 +24,11 @@ bool names_a_guest(const std::string& solver) {
 std::unique_ptr<Solver> make_guest_solver(const std::string& solver, const SolverOptions& options,
                                           const GuestOptions& guest_options) {
   if (!(guest_options.time_limit > 0) || !std::isfinite(guest_options.time_limit))
-    throw InputError("--time-limit", "seconds for an answer of a guest", to_text(guest_options.time_limit), "above 0");
+    throw InputError("--time-limit", "seconds for an answer of a guest",
+                     to_text(guest_options.time_limit), "above 0");
   if (is_command(solver))
-    return std::make_unique<guest::CommandSolver>(solver.substr(std::string(command_prefix).size()), options,
-                                                  guest_options);
+    return std::make_unique<guest::CommandSolver>(solver.substr(std::string(command_prefix).size()),
+                                                  options, guest_options);
   return std::make_unique<guest::LibrarySolver>(solver, options, guest_options);
 }
 

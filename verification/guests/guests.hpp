@@ -4,7 +4,8 @@
 /// SimulationError that names the guest, within a time limit.
 ///
 ///     ./libmine.so                                   a shared library, firn/firn_guest.h
-///     exec:python3 mine.py {in} {out} {steps}        any command that reads and writes trajectories
+///     exec:python3 mine.py {in} {out} {steps}        any command that reads and writes
+///     trajectories
 
 #include <memory>
 #include <string>

@@ -1,13 +1,12 @@
 #include "verification/guests/library_solver.hpp"
 
-#include <fcntl.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <fcntl.h>
 #include <filesystem>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "firn/error.hpp"
 
@@ -16,7 +15,8 @@ namespace firn::guest {
 namespace {
 
 Clock::time_point deadline_after(double seconds) {
-  return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  return Clock::now() +
+         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 SolverTraits read_traits(Packet& answer, Precision precision) {
@@ -38,7 +38,8 @@ SolverTraits read_traits(Packet& answer, Precision precision) {
     traits.stops.push_back(static_cast<Stage>(stop));
   }
   if (traits.stops.empty() || traits.stops.back() != Stage::positions)
-    throw InputError("guest " + traits.name, "last stop", traits.stops.empty() ? "none" : std::string(name(traits.stops.back())),
+    throw InputError("guest " + traits.name, "last stop",
+                     traits.stops.empty() ? "none" : std::string(name(traits.stops.back())),
                      "positions");
   return traits;
 }
@@ -50,9 +51,9 @@ void require_shape(const State& state, std::size_t particles, const std::string&
   const auto require = [&](bool right, const char* what) {
     if (!right) throw ChannelError(ChannelError::Reason::malformed, who + " gave " + what);
   };
-  require(p.x.size() == particles && p.v.size() == particles && p.m.size() == particles && p.V_0.size() == particles &&
-              p.F_E.size() == particles && p.F_P.size() == particles && p.id.size() == particles &&
-              p.material.size() == particles,
+  require(p.x.size() == particles && p.v.size() == particles && p.m.size() == particles &&
+              p.V_0.size() == particles && p.F_E.size() == particles && p.F_P.size() == particles &&
+              p.id.size() == particles && p.material.size() == particles,
           "particle arrays of the wrong length");
   const auto fits = [&](std::size_t size) { return size == 0 || size == g.size(); };
   require(fits(g.m.size()) && fits(g.v.size()) && fits(g.f.size()) && fits(g.v_star.size()) &&
@@ -63,14 +64,18 @@ void require_shape(const State& state, std::size_t particles, const std::string&
 }  // namespace
 
 std::string runner_path() {
-  if (const char* path = std::getenv("FIRN_GUEST_RUNNER"); path != nullptr && *path != '\0') return path;
+  if (const char* path = std::getenv("FIRN_GUEST_RUNNER"); path != nullptr && *path != '\0')
+    return path;
   std::error_code error;
   const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
   return (error ? std::filesystem::path(".") : self.parent_path()) / "firn-guest";
 }
 
-LibrarySolver::LibrarySolver(std::string path, const SolverOptions& options, const GuestOptions& guest_options)
-    : path_(std::filesystem::absolute(path).string()), options_(options), guest_options_(guest_options) {
+LibrarySolver::LibrarySolver(std::string path, const SolverOptions& options,
+                             const GuestOptions& guest_options)
+    : path_(std::filesystem::absolute(path).string()),
+      options_(options),
+      guest_options_(guest_options) {
   if (!std::filesystem::is_regular_file(path_))
     throw InputError("--solver", "shared library", path, "an existing file");
   start();
@@ -85,9 +90,10 @@ void LibrarySolver::start() {
     throw InputError("--solver", "socket pair", std::strerror(errno), "room for two descriptors");
   socket_ = ends[0];
   try {
-    process_ = ChildProcess({runner_path(), path_, options_.precision == Precision::float32 ? "float" : "double",
-                             std::to_string(options_.threads)},
-                            ends[1]);
+    process_ = ChildProcess(
+        {runner_path(), path_, options_.precision == Precision::float32 ? "float" : "double",
+         std::to_string(options_.threads)},
+        ends[1]);
   } catch (...) {
     close(ends[1]);
     stop();
@@ -112,7 +118,8 @@ void LibrarySolver::stop() const {
 
 void LibrarySolver::load(const Scene& scene, const State& state) {
   if (scene.semi_implicit() && !traits_.semi_implicit)
-    throw InputError("integrator.type", "not supported by guest " + traits_.name, "semi-implicit", "explicit");
+    throw InputError("integrator.type", "not supported by guest " + traits_.name, "semi-implicit",
+                     "explicit");
   if (!process_.running()) start();  // after a failure: a new one, with nothing of the old
   scene_ = &scene;
   particles_ = state.particles.size();

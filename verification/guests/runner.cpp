@@ -2,12 +2,11 @@
 /// shared library lives. It answers questions on file descriptor 3 until that is
 /// closed. Whatever the library does, it does here.
 
-#include <dlfcn.h>
-
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <dlfcn.h>
 #include <limits>
 #include <memory>
 #include <string>
@@ -59,10 +58,12 @@ class GuestScene {
   const firn_guest_scene* view() const { return &view_; }
 
  private:
-  static void contact(void* host, size_t index, const double x[3], double t, firn_guest_contact* result) {
+  static void contact(void* host, size_t index, const double x[3], double t,
+                      firn_guest_contact* result) {
     const GuestScene& self = *static_cast<const GuestScene*>(host);
     if (index >= self.scene_.colliders.size()) {
-      std::fprintf(stderr, "guest asked for collider %zu of %zu\n", index, self.scene_.colliders.size());
+      std::fprintf(stderr, "guest asked for collider %zu of %zu\n", index,
+                   self.scene_.colliders.size());
       std::abort();
     }
     const Contact c = self.scene_.colliders[index].contact(Vec3(x[0], x[1], x[2]), t);
@@ -184,7 +185,8 @@ class Runner {
   void require(int status, const char* function) const {
     if (status == 0) return;
     const char* reason = table_->last_error(self_);
-    throw std::runtime_error(std::string(function) + "() failed: " + (reason ? reason : "no reason given"));
+    throw std::runtime_error(std::string(function) +
+                             "() failed: " + (reason ? reason : "no reason given"));
   }
 
   Packet traits() const {
@@ -234,7 +236,8 @@ class Runner {
     require(table_->node_count(self_, &nodes), "node_count");
     // 64 nodes a particle is what the cubic kernel reaches.
     if (nodes > 64 * state_.particles.size() + 64)
-      throw std::runtime_error("node_count() says " + std::to_string(nodes) + ", at most 64 a particle are possible");
+      throw std::runtime_error("node_count() says " + std::to_string(nodes) +
+                               ", at most 64 a particle are possible");
     State stored = poisoned(state_, nodes);
     firn_guest_state view = view_of(stored);
     require(table_->store(self_, &view), "store");
@@ -264,11 +267,13 @@ const firn_guest_solver* open_library(const char* path) {
   if (symbol == nullptr) throw std::runtime_error("it does not export " FIRN_GUEST_ENTRY_NAME "()");
   const auto* table = reinterpret_cast<firn_guest_entry_function>(symbol)();
   if (table == nullptr) throw std::runtime_error(FIRN_GUEST_ENTRY_NAME "() returned NULL");
-  if (table->abi_version != FIRN_GUEST_ABI_VERSION || table->struct_size != sizeof(firn_guest_solver))
+  if (table->abi_version != FIRN_GUEST_ABI_VERSION ||
+      table->struct_size != sizeof(firn_guest_solver))
     throw std::runtime_error("it was built for version " + std::to_string(table->abi_version) +
-                             " of the ABI, this is version " + std::to_string(FIRN_GUEST_ABI_VERSION));
-  if (!table->create || !table->destroy || !table->last_error || !table->load || !table->advance_through ||
-      !table->node_count || !table->store || !table->stops)
+                             " of the ABI, this is version " +
+                             std::to_string(FIRN_GUEST_ABI_VERSION));
+  if (!table->create || !table->destroy || !table->last_error || !table->load ||
+      !table->advance_through || !table->node_count || !table->store || !table->stops)
     throw std::runtime_error("a required function of its table is NULL");
   return table;
 }

@@ -1,0 +1,175 @@
+/// Verbs, exit statuses and messages of the program.
+
+#include <algorithm>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "io/trajectory_reader.hpp"
+#include "verification/cli/program.hpp"
+
+namespace firn::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+TEST(Cli, HelpNamesEveryVerbAndEveryExitStatus) {
+  const TemporaryFolder folder;
+  const Outcome help = run_firn({"--help"}, folder.path());
+  EXPECT_EQ(help.status, 0);
+  for (const char* word : {"run", "check", "compare", "report", "info", "scenes", "solvers", "130"})
+    EXPECT_NE(help.out.find(word), std::string::npos) << word;
+}
+
+struct BadUsage {
+  const char* name;
+  Words words;
+  const char* says;  ///< part of the one line on stderr
+};
+
+class CliBadUsage : public testing::TestWithParam<BadUsage> {};
+
+TEST_P(CliBadUsage, OneLineExitTwoNothingWritten) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_firn(GetParam().words, folder.path());
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(lines(outcome.err), 1) << outcome.err;
+  EXPECT_NE(outcome.err.find(GetParam().says), std::string::npos) << outcome.err;
+  EXPECT_EQ(folder.files(), Words{});
+}
+
+const BadUsage bad_usages[] = {
+    {"NoVerb", {}, "subcommand"},
+    {"UnknownVerb", {"melt"}, "melt"},
+    {"UnknownOption", {"run", "tiny_impact", "--warp"}, "--warp"},
+    {"NoScene", {"run"}, "SCENE"},
+    {"UnknownScene", {"run", "snowball_dorp"}, "snowball_drop"},
+    {"MissingFile", {"run", "./missing.toml"}, "missing.toml"},
+    {"FolderAsScene", {"run", "/tmp/"}, "/tmp/"},
+    {"UnknownSolver", {"run", "tiny_impact", "--solver", "fast"}, "reference"},
+    {"UnknownPrecision", {"run", "tiny_impact", "--precision", "half"}, "double or float"},
+    {"ReferenceInFloat",
+     {"run", "tiny_impact", "--solver", "reference", "--precision", "float"},
+     "double"},
+    {"NegativeSteps", {"run", "tiny_impact", "--steps", "-1"}, "-1"},
+    {"NegativeEnd", {"run", "tiny_impact", "--until", "-0.5"}, "-0.5"},
+    {"NanEnd", {"run", "tiny_impact", "--until", "nan"}, "nan"},
+    {"ZeroFrameRate", {"run", "tiny_impact", "--frames-per-second", "0"}, "above 0"},
+    {"WordForThreads", {"run", "tiny_impact", "--threads", "two"}, "two"},
+    {"TooManyThreads", {"run", "tiny_impact", "--threads", "99999"}, "1024"},
+    {"ZeroScale", {"run", "tiny_impact", "--scale", "0"}, "scale"},
+    {"OutputInMissingFolder",
+     {"run", "tiny_impact", "-o", "no/such/folder/out.vtkhdf"},
+     "no/such/folder"},
+    {"ResumeFromMissingFile", {"run", "tiny_impact", "--resume", "gone.vtkhdf"}, "gone.vtkhdf"},
+    {"ResumeFrameAlone", {"run", "tiny_impact", "--resume-frame", "1"}, "--resume"},
+    {"UnknownMode", {"check", "tiny_impact", "--mode", "race"}, "lockstep or free"},
+    {"NoStepsToCheck", {"check", "tiny_impact", "--steps", "0"}, "at least 1"},
+    {"CompareMissing", {"compare", "a.vtkhdf", "b.vtkhdf"}, "a.vtkhdf"},
+    {"CompareOneFile", {"compare", "a.vtkhdf"}, "B"},
+    {"ReportOfNothing", {"report", "nothing.h5"}, "nothing.h5"},
+    {"ShowUnknownScene", {"scenes", "--show", "avalanche"}, "avalanche"},
+    {"MissingLibrary", {"check", "tiny_impact", "--solver", "./libmissing.so"}, "libmissing.so"},
+    {"CommandWithoutPlaceholder",
+     {"check", "tiny_impact", "--solver", "exec:true {in} {out}"},
+     "{steps}"},
+    {"CommandThatIsNotThere",
+     {"check", "two_particles", "--solver", "exec:/no/such/program {in} {out} {steps}"},
+     "/no/such/program"},
+};
+
+INSTANTIATE_TEST_SUITE_P(All, CliBadUsage, testing::ValuesIn(bad_usages),
+                         [](const auto& info) { return info.param.name; });
+
+TEST(Cli, ListsArePlainAndJson) {
+  const TemporaryFolder folder;
+  const Outcome plain = run_firn({"scenes"}, folder.path());
+  const Outcome json = run_firn({"scenes", "--json"}, folder.path());
+  const auto list = nlohmann::json::parse(json.out);
+  EXPECT_EQ(lines(plain.out), static_cast<std::ptrdiff_t>(list.size()));
+  for (const char* scene : {"snowball_drop", "snowball_smash", "snowball_wall", "snow_plow",
+                            "wedge", "column", "rolling_snowball"})
+    EXPECT_TRUE(std::any_of(list.begin(), list.end(), [&](const auto& s) {
+      return s["name"] == scene;
+    })) << scene;
+  const auto solvers = nlohmann::json::parse(run_firn({"solvers", "--json"}, folder.path()).out);
+  ASSERT_GE(solvers.size(), 2u);
+  EXPECT_EQ(solvers[0]["name"], "reference");
+  const auto info = nlohmann::json::parse(run_firn({"info", "--json"}, folder.path()).out);
+  EXPECT_NE(info["instruction_set"], "");
+}
+
+TEST(Cli, ZeroStepsWriteTheInitialStateOnly) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(
+      run_firn({"run", "tiny_impact", "--steps", "0", "-o", "a.vtkhdf"}, folder.path()).status, 0);
+  const TrajectoryReader reader(folder.path() / "a.vtkhdf");
+  EXPECT_EQ(reader.frames(), 1);
+  EXPECT_EQ(reader.rows(), 0);
+  EXPECT_EQ(reader.time(0), 0.0);
+}
+
+TEST(Cli, ResumedRunComparesIdentical) {
+  const TemporaryFolder folder;
+  const Words whole = {"run",     "tiny_impact", "--solver", "reference",
+                       "--steps", "40",          "-o",       "whole.vtkhdf"};
+  const Words half = {"run",     "tiny_impact", "--solver", "reference",
+                      "--steps", "20",          "-o",       "half.vtkhdf"};
+  const Words rest = {"run",     "tiny_impact", "--solver", "reference",
+                      "--steps", "40",          "--resume", "half.vtkhdf"};
+  ASSERT_EQ(run_firn(whole, folder.path()).status, 0);
+  ASSERT_EQ(run_firn(half, folder.path()).status, 0);
+  const Outcome different = run_firn({"compare", "whole.vtkhdf", "half.vtkhdf"}, folder.path());
+  EXPECT_EQ(different.status, 1) << different.out;
+  ASSERT_EQ(run_firn(rest, folder.path()).status, 0);
+  const Outcome same =
+      run_firn({"compare", "whole.vtkhdf", "half.vtkhdf", "--json"}, folder.path());
+  EXPECT_EQ(same.status, 0) << same.out;
+  EXPECT_TRUE(nlohmann::json::parse(same.out)["identical"].get<bool>());
+}
+
+TEST(Cli, InterruptWritesTheLastGoodState) {
+  const TemporaryFolder folder;
+  // A minute of work and more: it is still running when the signal comes.
+  const Outcome outcome =
+      run_firn({"run", "snowball_drop", "--solver", "reference", "--until", "2", "-o", "a.vtkhdf"},
+               folder.path(), std::chrono::milliseconds(3000));
+  EXPECT_EQ(outcome.status, 130) << outcome.err;
+  const TrajectoryReader reader(folder.path() / "a.vtkhdf");
+  ASSERT_GE(reader.frames(), 1);
+  EXPECT_EQ(reader.step(reader.frames() - 1).value_or(-1), reader.rows());
+}
+
+TEST(Cli, CheckOfTheOptimizedSolverIsValid) {
+  const TemporaryFolder folder;
+  for (const char* precision : {"double", "float"}) {
+    const Outcome outcome =
+        run_firn({"check", "tiny_impact", "--precision", precision, "--steps", "5", "--json"},
+                 folder.path());
+    EXPECT_EQ(outcome.status, 0) << outcome.out;
+    EXPECT_TRUE(nlohmann::json::accept(outcome.out)) << outcome.out;
+  }
+}
+
+TEST(Cli, ACommandThatFailsIsReportedAsTheGuests) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_firn(
+      {"check", "two_particles", "--solver", "exec:false {in} {out} {steps}"}, folder.path());
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_NE(outcome.out.find("exit status 1"), std::string::npos) << outcome.out;
+}
+
+TEST(Cli, ACommandThatHangsIsEnded) {
+  const TemporaryFolder folder;
+  const Outcome outcome = run_firn({"check", "two_particles", "--time-limit", "1", "--solver",
+                                    "exec:sh -c 'sleep 1000' {in} {out} {steps}"},
+                                   folder.path());
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_NE(outcome.out.find("within 1 s"), std::string::npos) << outcome.out;
+}
+
+}  // namespace
+}  // namespace firn::test
