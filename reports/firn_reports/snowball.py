@@ -6,6 +6,7 @@ analytic colliders are sphere-traced through their signed distances.
 
 import copy
 import io
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -216,8 +217,16 @@ def downsample(image, factor):
     return image[: h * factor, : w * factor].reshape(h, factor, w, factor, 3).mean(axis=(1, 3))
 
 
+def with_volumes(frames):
+    """Before the first step a volume of 0 says "not known yet": such frames are drawn with a later one's."""
+    known = next((f.volume for f in frames if np.median(f.volume) > 0), None)
+    return [replace(f, volume=known) if known is not None and np.median(f.volume) == 0 and len(f.volume) == len(known) else f
+            for f in frames]
+
+
 def picture(scene, frames, width=1500, height=560):
     """The frames side by side with their times and the scale of J_P, as PNG bytes."""
+    frames = with_volumes(frames)
     across = width // len(frames)
     deviation = max(max(np.abs(np.percentile(f.J_P, [1, 99]) - 1).max() for f in frames), 0.02)
     norm = Normalize(1 - deviation, 1 + deviation)

@@ -63,3 +63,12 @@ def test_a_ball_as_collider_is_met_at_its_near_side():
     assert np.allclose(np.linalg.norm(point[hit], axis=-1), 1.0, atol=2 * camera.pixel)
     # A pixel past the rim of a unit sphere its normal leans away by at most √(2 pixel).
     assert (normal[hit] @ camera.look < np.sqrt(2 * camera.pixel)).all()
+
+
+def test_a_frame_before_the_first_step_is_drawn_with_the_volumes_of_a_later_one():
+    later = Frame(1.0, np.zeros((2, 3)), np.zeros((2, 3)), np.ones(2), np.full(2, 8e-6), np.ones(2))
+    first = Frame(0.0, np.zeros((2, 3)), np.zeros((2, 3)), np.ones(2), np.zeros(2), np.ones(2))
+    drawn = snowball.with_volumes([first, later])
+    assert (drawn[0].volume == later.volume).all()
+    assert drawn[1] is later
+    assert snowball.with_volumes([first])[0] is first
