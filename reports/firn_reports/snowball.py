@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 
 from .colliders import collider_distance, unit
@@ -228,8 +228,10 @@ def picture(scene, frames, width=1500, height=560):
     """The frames side by side with their times and the scale of J_P, as PNG bytes."""
     frames = with_volumes(frames)
     across = width // len(frames)
-    deviation = max(max(np.abs(np.percentile(f.J_P, [1, 99]) - 1).max() for f in frames), 0.02)
-    norm = Normalize(1 - deviation, 1 + deviation)
+    # In ln J_P, so that half the volume stands as far from white as twice the volume.
+    J_P = np.concatenate([f.J_P for f in frames])
+    deviation = max(np.abs(np.log(np.percentile(np.maximum(J_P, 1e-3), [1, 99]))).max(), 0.02)
+    norm = LogNorm(np.exp(-deviation), np.exp(deviation), clip=True)
     camera = Camera(scene, [f.x for f in frames], across * SUPERSAMPLE, height * SUPERSAMPLE)
     image = np.concatenate([downsample(render(scene, f, camera, norm), SUPERSAMPLE) for f in frames], axis=1)
 
@@ -243,9 +245,9 @@ def picture(scene, frames, width=1500, height=560):
         if i:
             axes.axvline(i * across - 0.5, color="white", alpha=0.25, linewidth=1)
     bar = figure.add_axes([0.80, 0.925, 0.17, 0.025])
-    bar.imshow(np.linspace(0, 1, 256)[None, :], cmap=SNOW, aspect="auto", extent=(norm.vmin, norm.vmax, 0, 1))
+    bar.imshow(np.linspace(0, 1, 256)[None, :], cmap=SNOW, aspect="auto", extent=(-deviation, deviation, 0, 1))
     bar.set_yticks([])
-    bar.set_xticks([norm.vmin, 1.0, norm.vmax], [f"{norm.vmin:.2f}\ncompacted", "1\n$J_P$", f"{norm.vmax:.2f}\nloosened"])
+    bar.set_xticks([-deviation, 0.0, deviation], [f"{norm.vmin:.2f}\ncompacted", "1\n$J_P$", f"{norm.vmax:.2f}\nloosened"])
     bar.tick_params(colors="white", labelcolor="white", labelsize=10, length=3)
     bar.grid(False)
     buffer = io.BytesIO()

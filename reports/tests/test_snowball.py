@@ -34,7 +34,7 @@ def test_blur_keeps_the_mean_and_constant_images():
 
 def test_compacted_snow_is_blue_and_loosened_snow_is_amber():
     scene = {"gravity": [0, 0, -9.81]}
-    norm = snowball.Normalize(0.8, 1.2)
+    norm = snowball.LogNorm(0.8, 1.25)
     colours = []
     for J_P in (0.8, 1.2):
         f = frame(block(), np.full(12**3, J_P))
