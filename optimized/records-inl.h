@@ -8,6 +8,8 @@
 #define FIRN_OPTIMIZED_RECORDS_INL_H_
 #endif
 
+#include <hwy/cache_control.h>
+
 #include "optimized/position-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -81,6 +83,15 @@ HWY_INLINE T* vector_of(const BlockView<T>& block, int slots, int i) {
          in_page % chunk_lanes<T>;
 }
 
+/// Asks for slots first … last−1 of the chunk that holds particle i, if there is one.
+/// A chunk's lines are not read in order, so the hardware does not see them coming.
+template <class T>
+HWY_INLINE void prefetch_chunk(const BlockView<T>& block, int slots, int i, int first, int last) {
+  if (i >= block.count) return;
+  const T* q = vector_of(block, slots, i);
+  for (int s = first; s < last; ++s) hwy::Prefetch(q + s * chunk_lanes<T>);
+}
+
 /// Cell numbers (4x + y)·4 + z of all particles, and where each cell's records begin.
 template <class T>
 HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* cells,
@@ -92,6 +103,10 @@ HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* 
   alignas(64) Integer<T> id[n];
   for (int i = 0; i < block.count; i += n) {
     const T* q = vector_of(block, slots, i);
+    if (i % chunk == 0) {
+      prefetch_chunk(block, slots, i + 2 * chunk, slot_x, slot_v + 3);
+      prefetch_chunk(block, slots, i + 2 * chunk, slot_tau, slot_m + 1);
+    }
     const auto x = axis_position<T>(q + slot_x * chunk).cell;
     const auto y = axis_position<T>(q + (slot_x + 1) * chunk).cell;
     const auto z = axis_position<T>(q + (slot_x + 2) * chunk).cell;

@@ -68,6 +68,24 @@ HWY_INLINE void store_stress(const Deformation<T>& p, T* q) {
   for (int k = 0; k < 6; ++k) hn::Store(tau[k], d, q + (slot_tau + k) * chunk);
 }
 
+/// The return map where a vector may hold particles of several materials. Apart from
+/// the common case, which need not copy anything.
+template <class T>
+HWY_NOINLINE hn::Mask<Lanes<T>> return_map_of_mixture(const StepConstants<T>& step, const T* q,
+                                                      const Vec<T>& V_0, Deformation<T>& p) {
+  const Lanes<T> d;
+  const Deformation<T> trial = p;
+  auto good = hn::Eq(V_0, V_0);
+  for_each_material(step, q, [&](const MaterialConstants<T>& m, const auto& lanes) HWY_ATTR {
+    Deformation<T> mine = trial;
+    const auto mine_good = return_map<T>(m, V_0, step.certify, mine);
+    select_into<T>(lanes, mine, p);
+    good = hn::And(good, hn::Or(mine_good, hn::Not(lanes)));
+  });
+  (void)d;
+  return good;
+}
+
 /// F̂_E = (I + Δt ∇v) F_E, in E = F − I: Ê = E + g + g E with g = Δt ∇v; then the
 /// return map.
 template <class T>
@@ -77,29 +95,18 @@ HWY_INLINE void deform(const StepConstants<T>& step, const Gathered<T>& gathered
   const auto dt_over_h = hn::Set(d, step.dt_over_h);
   kn::Mat3<Vec<T>> g;
   for (int k = 0; k < 9; ++k) g.m[k] = hn::Mul(gathered.gradient[k], dt_over_h);
-  Deformation<T> trial = load_deformation(q);
-  trial.E_E = kn::trial_deformation(trial.E_E, g);
+  Deformation<T> p = load_deformation(q);
+  p.E_E = kn::trial_deformation(p.E_E, g);
   const auto V_0 = hn::Load(d, q + slot_V_0 * chunk_lanes<T>);
-  auto good = hn::Eq(V_0, V_0);
-  Deformation<T> result;
-  if (HWY_LIKELY(step.material_count == 1)) {
-    result = trial;
-    good = return_map<T>(step.materials[0], V_0, step.certify, result);
-  } else {
-    result = trial;
-    for_each_material(step, q, [&](const MaterialConstants<T>& m, const auto& lanes) HWY_ATTR {
-      Deformation<T> mine = trial;
-      const auto mine_good = return_map<T>(m, V_0, step.certify, mine);
-      select_into<T>(lanes, mine, result);
-      good = hn::And(good, hn::Or(mine_good, hn::Not(lanes)));
-    });
-  }
+  const auto good = HWY_LIKELY(step.material_count == 1)
+                        ? return_map<T>(step.materials[0], V_0, step.certify, p)
+                        : return_map_of_mixture(step, q, V_0, p);
   if (!hn::AllTrue(d, good))
-    expect<T>(hn::And(finite<T>(result.E_E.m, 9), finite<T>(result.E_P.m, 9)), i, n,
-              Fault::deformation, report);
-  store_matrix(result.E_E, q, slot_E_E);
-  store_matrix(result.E_P, q, slot_E_P);
-  store_stress(result, q);
+    expect<T>(hn::And(finite<T>(p.E_E.m, 9), finite<T>(p.E_P.m, 9)), i, n, Fault::deformation,
+              report);
+  store_matrix(p.E_E, q, slot_E_E);
+  store_matrix(p.E_P, q, slot_E_P);
+  store_stress(p, q);
 }
 
 /// v_p = (1−α) Σ v_new w + α (v_p + Σ (v_new − vⁿ) w) = α v_p + Σ u w.
@@ -148,6 +155,8 @@ int update(const BlockView<T>& block, const StepConstants<T>& step, const Worksp
   for (int i = 0; i < block.count; i += L) {
     T* q = vector_of(block, step.slots, i);
     const int n = block.count - i < L ? block.count - i : L;
+    if (i % chunk_lanes<T> == 0)
+      prefetch_chunk(block, step.slots, i + chunk_lanes<T>, 0, step.slots);
     if (passes & (pass_deformation | pass_velocity)) {
       Gathered<T> gathered;
       gather(kernel, gradient_lanes, q, n, work.coefficients, gathered);
