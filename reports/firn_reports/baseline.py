@@ -44,6 +44,8 @@ def compare(new, old, threshold=THRESHOLD):
             continue
         for name, quantity in case.quantities.items():
             reference = before.quantities.get(name)
+            if name == "rate" and "time" in case.quantities:
+                continue  # the same repetitions, upside down
             if reference is None or quantity.better == "neither" or not len(quantity.values) or not len(reference.values):
                 continue
             if quantity.median <= 0 or reference.median <= 0:

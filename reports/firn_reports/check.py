@@ -76,7 +76,7 @@ def figure(check):
     axes.set_ylim(len(labels) - 0.5, -0.5)
     axes.set_xlim(1e-4, max(3, 2 * finite.max(initial=1)))
     log_axis(axes, "x")
-    axes.set_xlabel("largest error, in units of its bound")
+    axes.set_xlabel("largest error, in units of its bound", loc="right")
     axes.grid(False, axis="y")
     return Figure(name(check), to_svg(plot), command=command(check), caption=sentence(check))
 

@@ -40,7 +40,7 @@ def bars(rows, xlabel, log=False, zero=False, marks=()):
         axes.axvline(x, color=MUTED, linewidth=1, linestyle="--")
     axes.set_yticks(range(len(rows)), [row[0] for row in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
-    axes.set_xlabel(xlabel)
+    axes.set_xlabel(xlabel, loc="right")
     axes.grid(False, axis="y")
     if log:
         log_axis(axes, "x")
@@ -76,7 +76,7 @@ def speed(results):
     ratios = [c for c in results.suite("speedup") if c.quotable]
     if ratios:
         rows = [(f"{who(c, True)}, {c['deformation']}", *with_quartiles(c, "speedup")) for c in sorted(ratios, key=lambda c: c.name)]
-        made.append(Figure("Times faster than the reference", bars(rows, "time of the reference / time (double, 1 thread)"), command=first_command(ratios),
+        made.append(Figure("Times faster than the reference", bars(rows, "times the reference (double, 1 thread)"), command=first_command(ratios),
                            caption="Repetitions of both solvers took turns, so that a slow minute of the machine hits both."))
     made += scaling(cases)
     return made
@@ -339,7 +339,7 @@ def verification(results):
         axes.set_yticks(range(len(worst)), list(worst))
         axes.set_ylim(len(worst) - 0.5, -0.5)
         log_axis(axes, "x")
-        axes.set_xlabel("largest error, in units of its bound")
+        axes.set_xlabel("largest error, in units of its bound", loc="right")
         axes.grid(False, axis="y")
         made.append(Figure(f"{subject}: {verdict['verdict']}", to_svg(figure), command=verdict["command"]))
     return made
@@ -356,11 +356,11 @@ def changes(changes):
         axes.barh(y, value, height=0.6, color=BAD if c.kind == "worse" else GOOD)
         axes.plot([value - 100 * c.uncertainty, value + 100 * c.uncertainty], [y, y], color=INK, linewidth=1.2)
     axes.axvline(0, color=GRID)
-    axes.set_yticks(range(len(shown)), [f"{c.case.name}: {c.quantity}"[:48] for c in shown])
+    axes.set_yticks(range(len(shown)), [f"{c.case.suite} {c.case.name}"[:40] for c in shown])
     axes.set_ylim(len(shown) - 0.4, -0.6)
-    axes.set_xlabel("% worse (right) or better (left), ± 3 standard errors")
+    axes.set_xlabel("% worse")
     axes.grid(False, axis="y")
-    return [Figure("Largest changes", to_svg(figure), wide=False)]
+    return [Figure("Largest changes", to_svg(figure), caption="Left of zero is better. Lines: ± three standard errors of the medians.")]
 
 
 def noise(results):

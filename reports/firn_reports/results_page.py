@@ -118,6 +118,9 @@ def tiles(results, old, changes):
 def look_at(results, changes, broken):
     """The few things that deserve a reader's minute."""
     found = []
+    busy = tables.busiest(results)
+    if busy:
+        found.append((f"The machine was busy: load {number(busy[0], 3)} on {busy[1]} processors. Ratios of interleaved runs hold, absolute times do not", "noise"))
     for case in broken[:3]:
         found.append((f"{case.suite}/{case.name} no longer works: {case.message}", "baseline"))
     for change in sorted((c for c in changes if c.kind == "worse"), key=lambda c: -c.ratio)[:3]:
@@ -125,10 +128,10 @@ def look_at(results, changes, broken):
     for case in [c for c in results.cases if c.status in ("invalid", "failed")][:3]:
         found.append((f"{case.suite}/{case.name}: {case.status}: {case.message}", "facts"))
     scaling = tables.worst_scaling(results)
-    if scaling:
+    if scaling and scaling[0] < 1.8:
         found.append((f"Two threads bring {number(scaling[0], 3)}× at worst ({scaling[1]})", "speed"))
     growth = tables.size_growth(results)
-    if growth:
+    if growth and growth[0] > 1.15:
         found.append((f"Cost per particle grows {number(growth[0], 3)}× from the smallest to the largest block ({growth[1]})", "speed"))
     costly = tables.costliest_skip(results)
     if costly:
@@ -144,7 +147,7 @@ def baseline_section(results, old, changes, broken, threshold):
                       f"Compared with {old.path.name}, commit {old.sessions[0].get('git_commit', '?') if old.sessions else '?'}. Worse means: beyond {number(100 * threshold, 2)} % "
                       f"and beyond three standard errors of both medians. The machine's fixed loop took {number(comparison.machine_ratio(results, old), 3)} times as long as then.")
     section.figures = figures.changes(changes)
-    section.tables = [tables.changes(changes, broken)]
+    section.tables = tables.changes(changes, broken)
     return section
 
 

@@ -1,5 +1,7 @@
 """The tables of a results page, and the few numbers that its summary quotes."""
 
+import re
+
 import numpy as np
 
 from . import results_figures as figures
@@ -10,7 +12,7 @@ KIND = {"measured": "good", "noisy": "warn", "invalid": "bad", "failed": "bad", 
 
 
 def mark(text):
-    return Mark(text, KIND.get(text, ""))
+    return Mark(text, KIND[text]) if KIND.get(text) else text
 
 
 def of_suite(results, suite, name, title):
@@ -104,6 +106,14 @@ def worst_float(results):
     return max(rows, default=None)
 
 
+def busiest(results):
+    """(load average, processors) of the session that began under the highest load, if others were using the machine."""
+    loads = [(float(match[0]), int(s.get("processors", 1))) for s in results.sessions
+             if (match := re.match(r"[0-9.]+", str(s.get("load_average", ""))))]
+    worst = max(loads, default=None)
+    return worst if worst and worst[0] > 0.5 * worst[1] else None
+
+
 def noise(results):
     loops = [c.calibration for c in results.cases if len(c.calibration)]
     if not loops:
@@ -114,11 +124,15 @@ def noise(results):
 
 
 def changes(changes, broken):
+    """What moved, open; everything that was compared, folded."""
+    order = {"worse": 0, "better": 1, "drowned": 2, "same": 3}
+    columns = ["suite", "case", "quantity", "old", "new", "units", "% worse", "± %", "verdict", "measure again"]
     rows = [[c.case.suite, c.case.name, c.quantity, c.old, c.new, c.units, 100 * (c.ratio - 1), 100 * c.uncertainty, mark(c.kind), Code(c.case.command)]
-            for c in sorted(changes, key=lambda c: ({"worse": 0, "better": 1, "same": 2, "drowned": 3}[c.kind], -abs(np.log(c.ratio))))]
+            for c in sorted(changes, key=lambda c: (order[c.kind], -abs(np.log(c.ratio))))]
     rows = [[c.suite, c.name, "", None, None, "", None, None, mark(c.status), Code(c.command)] for c in broken] + rows
-    return Table("baseline", "Every comparison", ["suite", "case", "quantity", "old", "new", "units", "% worse", "± %", "verdict", "measure again"], rows,
-                 "drowned: one of the two is too noisy to quote.", open=any(c.kind == "worse" for c in changes))
+    moved = [row for row in rows if str(row[8]) not in ("same", "drowned")]
+    made = [Table("baseline_moved", "What moved", columns, moved, open=True)] if moved else []
+    return made + [Table("baseline", "Every comparison", columns, rows, "drowned: one of the two is too noisy to quote. ± : three standard errors of both medians.")]
 
 
 def verification(results):

@@ -48,7 +48,7 @@ def test_the_same_run_is_neither_slower_nor_faster(plain):
 def test_a_slow_down_beyond_the_threshold_is_found(folder, plain, factor, kind):
     new = results.read(synthetic.write_results(folder / "new.h5", slow={PLASTIC: factor}))
     changes = {(c.case.suite, c.case.name, c.quantity): c for c in baseline.compare(new, plain)}
-    assert changes["steps", PLASTIC, "time"].kind == kind and changes["steps", PLASTIC, "rate"].kind == kind
+    assert changes["steps", PLASTIC, "time"].kind == kind and changes["speedup", PLASTIC, "speedup"].kind == kind
     assert changes["steps", PLASTIC, "time"].ratio == pytest.approx(factor)
     others = {c.kind for (suite, name, _), c in changes.items() if name != PLASTIC}
     assert others == {"same"}
