@@ -5,6 +5,7 @@ namespace firn::bench {
 const std::vector<SuiteEntry>& suites() {
   static const std::vector<SuiteEntry> all = {
       {"roofline", "machine probes: FMA peak and memory bandwidth", plan_roofline_suite},
+      {"kernels", "single kernels with Google Benchmark, beside Eigen and GSL", plan_kernels_suite},
       {"speedup", "each solver against the reference, interleaved", plan_speedup_suite},
       {"stages", "time per particle and stage", plan_stages_suite},
       {"skips", "what each skip of the optimized solver saves, and where it costs",
@@ -12,6 +13,7 @@ const std::vector<SuiteEntry>& suites() {
       {"float", "accuracy of float: creep, small strains, far from the origin, long runs",
        plan_float_suite},
       {"accuracy", "run time against error on exact solutions", plan_accuracy_suite},
+      {"snowball", "bands of a plastic impact over seeds", plan_snowball_suite},
       {"stability", "largest stable time step by bisection, against prediction",
        plan_stability_suite},
       {"targets", "the optimized solver on every instruction set of this processor",

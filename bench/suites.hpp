@@ -13,6 +13,8 @@ void plan_accuracy_suite(const Registry&, const Options&, std::vector<CasePlan>&
 void plan_stability_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_float_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_skips_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_kernels_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_snowball_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_targets_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 
 }  // namespace firn::bench

@@ -5,14 +5,15 @@
 
 #include "bench/exact.hpp"
 #include "bench/suites.hpp"
-#include "firn/registry.hpp"
-#include "reference/reference_solver.hpp"
+#include "cli/builtin_solvers.hpp"
 
 namespace firn::bench {
 namespace {
 
 double error_of(const ExactProblem& problem) {
-  const auto solver = make_reference_solver({});
+  Registry registry;
+  cli::register_builtin_solvers(registry);
+  const auto solver = registry.create("reference", {});
   State state = problem.initial;
   solver->load(problem.scene, state);
   for (int step = 0; step < problem.steps; ++step) {
@@ -66,7 +67,7 @@ TEST(Exact, DampingPerTimeDoesNotKnowTheStep) {
 /// The bisection finds the predicted bulk limit within 3 %.
 TEST(Stability, BulkLimitIsWhereItIsPredicted) {
   Registry registry;
-  registry.add(reference_entry());
+  cli::register_builtin_solvers(registry);
   Options options;
   std::vector<CasePlan> plans;
   plan_stability_suite(registry, options, plans);

@@ -8,8 +8,8 @@
 
 #include "bench/bench.hpp"
 #include "bench/timing.hpp"
+#include "cli/builtin_solvers.hpp"
 #include "firn/error.hpp"
-#include "reference/reference_solver.hpp"
 
 namespace firn::bench {
 namespace {
@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 class RunnerTest : public ::testing::Test {
  protected:
   RunnerTest() {
-    registry.add(reference_entry());
+    cli::register_builtin_solvers(registry);
     registry.add({"liar", "gravity forgotten, say", {Precision::float64}, false, make_liar});
     options.output =
         (fs::temp_directory_path() / ("firn_bench_" + std::to_string(getpid()) + ".h5")).string();
@@ -46,7 +46,9 @@ class RunnerTest : public ::testing::Test {
     std::unique_ptr<Solver> honest_;
   };
   static std::unique_ptr<Solver> make_liar(const SolverOptions& options) {
-    return std::make_unique<Liar>(make_reference_solver(options));
+    Registry honest;
+    cli::register_builtin_solvers(honest);
+    return std::make_unique<Liar>(honest.create("reference", options));
   }
 
   int run_it() {

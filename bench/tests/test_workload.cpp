@@ -7,7 +7,7 @@
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "bench/workload.hpp"
-#include "reference/reference_solver.hpp"
+#include "cli/builtin_solvers.hpp"
 
 namespace firn::bench {
 namespace {
@@ -15,7 +15,9 @@ namespace {
 /// Particles whose F_P moved in the last of `steps` steps.
 std::size_t yielding(Deformation deformation, int steps) {
   const Workload work = block(1000, deformation, 3);
-  const auto solver = make_reference_solver({});
+  Registry registry;
+  cli::register_builtin_solvers(registry);
+  const auto solver = registry.create("reference", {});
   solver->load(work.scene, work.state);
   State before, after;
   for (int i = 0; i < steps; ++i) {

@@ -299,6 +299,27 @@ def skips(results):
     return made
 
 
+def snowball(results):
+    """Bands over seeds: median and the range of all of them, never an order."""
+    cases = [c for c in results.suite("snowball") if c.quotable]
+    made = []
+    for name in dict.fromkeys(key for c in cases for key in c.quantities):
+        figure, axes = panel()
+        for i, (solver, style) in enumerate(styles(who(c) for c in sorted(cases, key=who)).items()):
+            line = sorted([c for c in cases if who(c) == solver], key=lambda c: c["resolution"])
+            x = np.array([c["resolution"] for c in line]) + 0.12 * i
+            values = [c.quantities[name].values for c in line]
+            middle = np.array([np.median(v) for v in values])
+            spread = [middle - [v.min() for v in values], [v.max() for v in values] - middle]
+            axes.errorbar(x, middle, yerr=spread, label=solver, capsize=3, **style)
+        quantity = cases[0].quantities[name]
+        axes.set_xlabel("spacings per radius of the ball")
+        axes.set_ylabel(f"{name} [{quantity.units}]")
+        legend(axes, ncols=2)
+        made.append(Figure(quantity.meaning, to_svg(figure), command="firn bench snowball", caption="Median and range over five seeds."))
+    return made
+
+
 def targets(results):
     cases = [c for c in results.suite("targets") if c.quotable]
     rows = [(f"{c['target']}, {c['precision']}, {c['deformation']}", *with_quartiles(c, "time")) for c in sorted(cases, key=lambda c: (c["deformation"], c["precision"], c["target"]))]

@@ -57,7 +57,7 @@ def log_axis(axes, which, base=10):
 def plain(value):
     """Short decimal text: 1000, 0.01, 1e-9."""
     if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{value:.4g}"
+        return f"{value:.{5 if abs(value) >= 1e4 else 4}g}"
     return re.sub(r"e([+-])0*(\d)", lambda m: "e" + m[1].replace("+", "") + m[2], f"{value:.3g}")
 
 
