@@ -16,14 +16,6 @@ constexpr double largest_index = 1 << 30;
 /// i modulo n, in [0, n); i itself along an open axis (n = 0).
 std::int32_t wrap_index(std::int32_t i, int n) { return n == 0 ? i : ((i % n) + n) % n; }
 
-NodeIndex wrap_index(const NodeIndex& n, const std::array<int, 3>& period) {
-  return {wrap_index(n.i, period[0]), wrap_index(n.j, period[1]), wrap_index(n.k, period[2])};
-}
-
-std::array<int, 3> period_nodes(const GridSettings& grid) {
-  return {grid.period_nodes(0), grid.period_nodes(1), grid.period_nodes(2)};
-}
-
 }  // namespace
 
 std::size_t SparseNumbers::Hash::operator()(const NodeIndex& block) const {
@@ -36,28 +28,33 @@ std::size_t SparseNumbers::Hash::operator()(const NodeIndex& block) const {
 }
 
 std::int32_t& SparseNumbers::operator[](const NodeIndex& n) {
+  const auto place_of_64 = [](const NodeIndex& m) {
+    return static_cast<std::size_t>((m.i & 3) * 16 + (m.j & 3) * 4 + (m.k & 3));
+  };
   const NodeIndex block{n.i >> 2, n.j >> 2, n.k >> 2};
-  if (last_ == nullptr || !(block == last_block_)) {
+  Recent& recent = recent_[place_of_64(block)];
+  if (recent.numbers == nullptr || !(recent.block == block)) {
     const auto [entry, is_new] = blocks_.try_emplace(block);
     if (is_new) entry->second.fill(-1);
-    last_block_ = block;
-    last_ = &entry->second;
+    recent = {block, &entry->second};
   }
-  return (*last_)[static_cast<std::size_t>((n.i & 3) * 16 + (n.j & 3) * 4 + (n.k & 3))];
+  return (*recent.numbers)[place_of_64(n)];
 }
 
 void SparseNumbers::clear() {
   blocks_.clear();
-  last_ = nullptr;
+  recent_.fill({});
 }
 
 void Stencils::build(const Scene& scene, const Particles& particles, Stage stage,
                      std::vector<NodeIndex>& node) {
+  for (int axis = 0; axis < 3; ++axis)
+    period_[static_cast<std::size_t>(axis)] = scene.grid.period_nodes(axis);
   weights_.resize(particles.size());
   first_node_of_cell_.clear();
   cell_number_.clear();
   for (std::size_t p = 0; p < particles.size(); ++p) weigh(scene, particles, stage, p);
-  number_nodes(scene, node);
+  number_nodes(node);
 }
 
 double Stencils::bytes() const {
@@ -71,19 +68,20 @@ void Stencils::weigh(const Scene& scene, const Particles& particles, Stage stage
   const double h = scene.grid.spacing;
   Weights& w = weights_[p];
   std::array<std::int32_t, 3> first;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double X = (particles.x[p][axis] - scene.grid.origin[axis]) / h;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto a = static_cast<Eigen::Index>(axis);
+    const double X = (particles.x[p][a] - scene.grid.origin[a]) / h;
     const double cell = std::floor(X);
     if (!finite(X)) fail_at_particle(stage, p, "position is not finite");
     if (std::abs(cell) > largest_index)
       fail_at_particle(stage, p,
                        "outside the representable domain: cell index " + to_text(cell) +
                            ", allowed: -2^30 .. 2^30");
-    first[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(cell) - 1;
+    first[axis] = wrap_index(static_cast<std::int32_t>(cell) - 1, period_[axis]);
     kernel_row(X - cell, w.N[axis], w.dN[axis]);
     for (double& dN : w.dN[axis]) dN /= h;
   }
-  const NodeIndex first_node = wrap_index({first[0], first[1], first[2]}, period_nodes(scene.grid));
+  const NodeIndex first_node{first[0], first[1], first[2]};
   std::int32_t& cell = cell_number_[first_node];
   if (cell < 0) {
     cell = static_cast<std::int32_t>(first_node_of_cell_.size());
@@ -93,8 +91,7 @@ void Stencils::weigh(const Scene& scene, const Particles& particles, Stage stage
 }
 
 /// Nodes get numbers as the cells meet them; sorting them permutes the numbers.
-void Stencils::number_nodes(const Scene& scene, std::vector<NodeIndex>& node) {
-  const std::array<int, 3> period = period_nodes(scene.grid);
+void Stencils::number_nodes(std::vector<NodeIndex>& node) {
   std::vector<NodeIndex> met;
   node_number_.clear();
   nodes_of_cell_.resize(first_node_of_cell_.size());
@@ -102,16 +99,19 @@ void Stencils::number_nodes(const Scene& scene, std::vector<NodeIndex>& node) {
     const NodeIndex first = first_node_of_cell_[cell];
     auto place = nodes_of_cell_[cell].begin();
     for (std::int32_t a = 0; a < 4; ++a)
-      for (std::int32_t b = 0; b < 4; ++b)
+      for (std::int32_t b = 0; b < 4; ++b) {
+        NodeIndex n{wrap_index(first.i + a, period_[0]), wrap_index(first.j + b, period_[1]), 0};
+        std::int32_t* number = nullptr;
         for (std::int32_t c = 0; c < 4; ++c) {
-          const NodeIndex n = wrap_index({first.i + a, first.j + b, first.k + c}, period);
-          std::int32_t& number = node_number_[n];
-          if (number < 0) {
-            number = static_cast<std::int32_t>(met.size());
+          n.k = wrap_index(first.k + c, period_[2]);
+          number = c > 0 && n.k % 4 != 0 ? number + 1 : &node_number_[n];
+          if (*number < 0) {
+            *number = static_cast<std::int32_t>(met.size());
             met.push_back(n);
           }
-          *place++ = number;
+          *place++ = *number;
         }
+      }
   }
 
   std::vector<std::int32_t> order(met.size()), rank(met.size());

@@ -17,6 +17,8 @@ namespace firn::reference {
 /// of 4×4×4, because a scene may be spread out and yet locally dense.
 class SparseNumbers {
  public:
+  /// From one k to the next the numbers are adjacent in memory, within a block:
+  /// up to the next multiple of 4.
   std::int32_t& operator[](const NodeIndex& n);
   void clear();
 
@@ -25,9 +27,13 @@ class SparseNumbers {
     std::size_t operator()(const NodeIndex& block) const;
   };
   using Block = std::array<std::int32_t, 64>;
+  /// Neighbours are asked for one after the other: where the blocks used last are.
+  struct Recent {
+    NodeIndex block;
+    Block* numbers = nullptr;
+  };
   std::unordered_map<NodeIndex, Block, Hash> blocks_;
-  NodeIndex last_block_;  ///< neighbours are asked for one after the other
-  Block* last_ = nullptr;
+  std::array<Recent, 64> recent_;
 };
 
 /// The 4×4×4 nodes around every particle.
@@ -79,8 +85,9 @@ class Stencils {
   };
 
   void weigh(const Scene& scene, const Particles& particles, Stage stage, std::size_t p);
-  void number_nodes(const Scene& scene, std::vector<NodeIndex>& node);
+  void number_nodes(std::vector<NodeIndex>& node);
 
+  std::array<int, 3> period_{};  ///< nodes along each axis, 0 = open
   std::vector<Weights> weights_;
   std::vector<NodeIndex> first_node_of_cell_;
   std::vector<std::array<std::int32_t, 64>> nodes_of_cell_;

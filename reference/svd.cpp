@@ -87,26 +87,27 @@ void factor_orthogonal_columns(const Mat3& B, Mat3& U, Vec3& sigma) {
   sigma[2] = std::clamp(U.col(2).dot(B.col(2)), -sigma[1], sigma[1]);
 }
 
+Svd not_a_number() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  return {Mat3::Constant(nan), Vec3::Constant(nan), Mat3::Constant(nan)};
+}
+
 }  // namespace
 
 Svd svd(const Mat3& A) {
   Svd result;
-  if (!A.allFinite()) {
-    result.U.setConstant(std::numeric_limits<double>::quiet_NaN());
-    result.V = result.U;
-    result.sigma = result.U.col(0);
-    return result;
-  }
-  // Squares of the entries must neither overflow nor underflow; powers of two scale without error.
   Mat3 B = A;
-  const double largest = A.cwiseAbs().maxCoeff();
+  double squared_size = A.squaredNorm();
   int exponent = 0;
-  if (largest > 0x1p100 || (largest < 0x1p-100 && largest > 0)) {
-    std::frexp(largest, &exponent);
+  if (!(squared_size > 0x1p-200 && squared_size < 0x1p200)) {
+    if (!A.allFinite()) return not_a_number();
+    // Squares of squares must neither overflow nor underflow; powers of two scale without error.
+    std::frexp(A.cwiseAbs().maxCoeff(), &exponent);
     B = A.unaryExpr([&](double a) { return std::ldexp(a, -exponent); });
+    squared_size = B.squaredNorm();
   }
   // Columns shorter than about ε² σ1 are roundoff of σ1; no angle between them means anything.
-  const double negligible = 0x1p-116 * B.squaredNorm();
+  const double negligible = 0x1p-116 * squared_size;
 
   result.V.setIdentity();
   bool changed = true;
