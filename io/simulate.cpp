@@ -5,14 +5,9 @@
 #include <cmath>
 #include <memory>
 
-#include "firn/build_info.hpp"
 #include "firn/error.hpp"
-#include "io/frame_schedule.hpp"
-#include "io/last_good_state.hpp"
 #include "io/output_error.hpp"
-#include "io/resume.hpp"
-#include "io/trajectory_layout.hpp"
-#include "io/trajectory_writer.hpp"
+#include "io/run.hpp"
 
 namespace firn {
 
@@ -27,25 +22,7 @@ int RunResult::exit_status() const {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr int most_retries = 10;
-
-void require_positive(const char* option, double value) {
-  if (!(value > 0) || !std::isfinite(value))
-    throw InputError(option, "value", to_text(value), "> 0, finite");
-}
-
-FrameSchedule schedule_of(const Scene& scene, const RunOptions& options) {
-  const double end = options.until.value_or(scene.time.end);
-  const double rate = options.frames_per_second.value_or(scene.time.frames_per_second);
-  if (!(end >= 0) || !std::isfinite(end))
-    throw InputError("--until", "end time", to_text(end), "≥ 0 s, finite");
-  if (options.steps && *options.steps < 0)
-    throw InputError("--steps", "number of steps", std::to_string(*options.steps), "≥ 0");
-  require_positive("--frames-per-second", rate);
-  return FrameSchedule(end, options.steps, rate);
-}
 
 /// Names the first particle with a number that is not finite, if there is one.
 SimulationError not_finite(const Solver& solver, const std::string& quantity) {
@@ -72,55 +49,13 @@ void require_finite(const Solver& solver, const Diagnostics& row) {
   }
 }
 
-/// One run: the clock, the state to fall back to, the file.
-class Run {
- public:
-  Run(const Scene& scene, Solver& solver, const RunOptions& options)
-      : scene_(scene), solver_(solver), options_(options), schedule_(schedule_of(scene, options)) {}
-
-  RunResult operator()();
-
- private:
-  void start();
-  void load_resumed(const Resume& resume);
-  void open_output(const Resume* resume);
-  FrameSchedule::Need room_needed(bool has_frame);
-  void run_to_the_end();
-  void advance();
-  void step(double dt);
-  bool may_retry() const { return scene_.semi_implicit() && scene_.time.adaptive; }
-  void return_to_last_good_state();
-  void write_frame();
-  void fail(const std::string& message);
-  void write_last_good_state();
-  void report_step() const;
-  double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
-
-  const Scene& scene_;
-  Solver& solver_;
-  const RunOptions& options_;
-  const FrameSchedule schedule_;
-
-  std::int64_t step_ = 0;  ///< n
-  double time_ = 0;        ///< tⁿ [s]
-  LastGoodState last_good_;
-  std::string
-      lost_;  ///< why the solver no longer holds the state at (step_, time_); empty: it does
-
-  std::unique_ptr<TrajectoryWriter> writer_;
-  std::int64_t frames_ = 0;
-  std::int64_t last_frame_step_ = -1;
-  double last_frame_time_ = 0;
-
-  std::int64_t first_step_ = 0;
-  double first_time_ = 0;
-  Clock::time_point began_;
-  RunResult result_;
-};
+}  // namespace
 
 RunResult Run::operator()() {
   start();
   try {
+    result_.diagnostics = solver_.diagnostics();
+    result_.diagnostics.time = time_;
     run_to_the_end();
     if (step_ != last_frame_step_) write_frame();
   } catch (const OutputError& error) {
@@ -143,85 +78,6 @@ RunResult Run::operator()() {
   result_.frames = frames_;
   result_.seconds = seconds();
   return result_;
-}
-
-/// Everything that may refuse the input comes before the first byte of output.
-void Run::start() {
-  std::optional<Resume> resume;
-  if (options_.resume.empty()) {
-    last_good_.state = initial_state(scene_);
-    last_good_.load_into(solver_, scene_);
-  } else {
-    resume.emplace(options_.resume, options_.resume_frame, scene_, solver_);
-    load_resumed(*resume);
-  }
-  first_step_ = step_;
-  first_time_ = time_;
-  began_ = Clock::now();
-  try {
-    if (!options_.output.empty()) open_output(resume ? &*resume : nullptr);
-    if (!resume) write_frame();
-  } catch (const OutputError& error) {
-    throw InputError(error.what());
-  }
-}
-
-void Run::load_resumed(const Resume& resume) {
-  last_good_ = resume.read(scene_);
-  solver_.load(scene_, last_good_.state);
-  if (solver_.restart_size() != last_good_.restart.size())
-    throw InputError(
-        options_.resume.string() + ": /firn/restart", "bytes per frame",
-        std::to_string(last_good_.restart.size()),
-        std::to_string(solver_.restart_size()) + ", as solver " + solver_.traits().name + " needs");
-  if (!last_good_.restart.empty()) solver_.load_restart(last_good_.restart);
-  step_ = resume.step();
-  time_ = resume.time();
-}
-
-void Run::open_output(const Resume* resume) {
-  const SolverTraits& traits = solver_.traits();
-  const TrajectoryInfo info{traits.name,          traits.precision,   options_.threads,
-                            build_info().version, options_.processor, scene_.toml};
-  std::vector<std::int64_t> kept;
-  if (resume != nullptr) kept = resume->frames_to_keep(schedule_);
-  const bool has_frame = resume == nullptr || resume->keeps_its_frame(schedule_);
-  FrameSchedule::Need need = room_needed(has_frame);
-  need.frames += resume == nullptr ? 1 : static_cast<std::int64_t>(kept.size());
-  need.rows += step_;
-  writer_ = std::make_unique<TrajectoryWriter>(
-      options_.output, info, static_cast<std::int64_t>(last_good_.state.particles.size()),
-      solver_.restart_size(), need.frames, need.rows);
-  if (resume == nullptr) return;
-  writer_->copy_from(resume->file(), kept, step_);
-  frames_ = writer_->frames();
-  if (kept.empty()) return;
-  last_frame_step_ = *resume->file().step(kept.back());
-  last_frame_time_ = resume->file().time(kept.back());
-}
-
-/// What this run will add to the file.
-FrameSchedule::Need Run::room_needed(bool has_frame) {
-  const TimeSettings& time = scene_.time;
-  if (!time.adaptive) return schedule_.need(step_, time_, time.step, true, has_frame);
-  double dt = time.max_step;
-  try {
-    dt = std::min(dt, solver_.choose_time_step().dt);
-  } catch (const SimulationError&) {
-    // The first step will meet it again, with a file to write the present state to.
-  }
-  if (!(dt > 0)) dt = time.max_step;
-  FrameSchedule::Need need = schedule_.need(step_, time_, dt, false, has_frame);
-  // Steps may become shorter, and to grow is to copy the file: twice the rows, or as many as take
-  // a sixteenth of the room of the frames.
-  const TrajectorySize frames{static_cast<std::int64_t>(last_good_.state.particles.size()),
-                              solver_.restart_size(), need.frames, 0};
-  need.rows =
-      std::max(2 * need.rows, static_cast<std::int64_t>(frames.bytes(solver_.traits().precision) /
-                                                        16 / diagnostics_row_bytes));
-  if (schedule_.steps())
-    need.rows = std::min(need.rows, std::max<std::int64_t>(*schedule_.steps() - step_, 0));
-  return need;
 }
 
 void Run::run_to_the_end() {
@@ -356,15 +212,13 @@ void Run::report_step() const {
                                         static_cast<double>(*schedule_.steps() - first_step_));
   progress.fraction = std::min(progress.fraction, 1.0);
   progress.frames = frames_;
-  progress.particles = static_cast<std::int64_t>(last_good_.state.particles.size());
+  progress.particles = result_.particles;
   progress.seconds = seconds();
   if (progress.seconds > 0)
     progress.steps_per_second = static_cast<double>(result_.steps_run) / progress.seconds;
   progress.diagnostics = &result_.diagnostics;
   options_.on_step(progress);
 }
-
-}  // namespace
 
 RunResult simulate(const Scene& scene, Solver& solver, const RunOptions& options) {
   return Run(scene, solver, options)();

@@ -75,6 +75,7 @@ enum class RunStatus { completed, interrupted, failed };
 struct RunResult {
   RunStatus status = RunStatus::completed;
   std::string message;         ///< one line; empty when completed
+  std::int64_t particles = 0;  ///< N
   std::int64_t step = 0;       ///< of the last good state
   double time = 0;             ///< of the last good state [s]
   std::int64_t frames = 0;     ///< in the file, or that it would have

@@ -76,7 +76,9 @@ TEST(Simulate, WritesTheFirstStepPastEachMarkAndTheLastState) {
   EXPECT_EQ(steps_of_frames(folder / "out.vtkhdf"), (Steps{0, 1, 2, 3}));
 
   options.steps = 0;
-  simulate(scene, solver, options);
+  const RunResult none = simulate(scene, solver, options);
+  EXPECT_EQ(none.particles, 5);
+  EXPECT_GT(none.diagnostics.mass, 0);  // measured, though no step was made
   EXPECT_EQ(steps_of_frames(folder / "out.vtkhdf"), (Steps{0}));
 }
 
