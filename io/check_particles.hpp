@@ -1,5 +1,5 @@
 #pragma once
-/// What must hold for particles from outside.
+/// What must hold for particles from a file.
 
 #include <string>
 
@@ -8,7 +8,7 @@
 namespace firn {
 
 /// Every number finite, masses > 0, volumes ≥ 0, ids unique; else InputError
-/// "WHERE, particle P: …".
+/// "WHERE, particle P: DATASET: …".
 void check_particles(const Particles& particles, const std::string& where);
 
 /// Ids unique; else InputError.

@@ -72,7 +72,10 @@ void InputFile::require_honest_size(const InputDataset& dataset, double bytes) c
 InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t components) const {
   InputDataset dataset;
   dataset.where_ = where(path);
-  if (!has(path)) throw InputError(dataset.where_ + ": missing dataset");
+  if (!has(path))
+    throw InputError(dataset.where_ + (H5Lexists(file_.get(), path.c_str(), links_.get()) > 0
+                                           ? ": is a link that leads out of this file or nowhere"
+                                           : ": missing dataset"));
   dataset.id_ = Id(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.id_) throw InputError(dataset.where_ + ": cannot be opened: " + last_error());
 

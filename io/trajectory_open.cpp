@@ -55,18 +55,19 @@ void TrajectoryReader::Open::read_steps() {
   const auto points = file.integers(points_name, all_parts, 0, any);
 
   for (std::size_t k = 0; k < times.size(); ++k) {
-    const std::string where = file.where(steps) + "…[" + std::to_string(k) + "]";
+    const std::string index = "[" + std::to_string(k) + "]";
     if (!std::isfinite(times[k]))
-      throw InputError(where, "time of the frame", to_text(times[k]), "finite");
+      throw InputError(values.where() + index, "time of the frame", to_text(times[k]), "finite");
     if (parts[k] > all_parts || part_offsets[k] > all_parts - parts[k])
-      throw InputError(where, "parts of the frame",
+      throw InputError(file.where(steps + "NumberOfParts") + index, "parts of the frame",
                        std::to_string(parts[k]) + " from " + std::to_string(part_offsets[k]),
                        "within the " + std::to_string(all_parts) + " of NumberOfPoints");
     FramePlace frame{times[k], 0, point_offsets[k]};
     for (std::int64_t part = 0; part < parts[k]; ++part) {
       const std::int64_t more = points[static_cast<std::size_t>(part_offsets[k] + part)];
       if (more > any - frame.particles)
-        throw InputError(where, "number of points", "more than 2^63", "less");
+        throw InputError(file.where(points_name), "number of points of a frame", "more than 2^63",
+                         "less");
       frame.particles += more;
     }
     frames.push_back(frame);

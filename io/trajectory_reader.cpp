@@ -98,6 +98,8 @@ std::vector<Diagnostics> TrajectoryReader::diagnostics() const {
 
 Particles read_last_frame(const std::filesystem::path& path) {
   const TrajectoryReader reader(path);
+  if (reader.frames() == 0)
+    throw InputError(path.string() + ": /VTKHDF/Steps", "number of frames", "0", "at least 1");
   return reader.read_frame(reader.frames() - 1).particles;
 }
 
