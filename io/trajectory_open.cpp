@@ -15,6 +15,10 @@ namespace {
 
 constexpr std::int64_t any = std::numeric_limits<std::int64_t>::max();
 
+std::string element(std::string dataset, std::size_t k) {
+  return dataset.append("[").append(std::to_string(k)).append("]");
+}
+
 }  // namespace
 
 TrajectoryReader::Open::Open(const std::filesystem::path& path) : file(path) {
@@ -55,11 +59,11 @@ void TrajectoryReader::Open::read_steps() {
   const auto points = file.integers(points_name, all_parts, 0, any);
 
   for (std::size_t k = 0; k < times.size(); ++k) {
-    const std::string index = "[" + std::to_string(k) + "]";
     if (!std::isfinite(times[k]))
-      throw InputError(values.where() + index, "time of the frame", to_text(times[k]), "finite");
+      throw InputError(element(values.where(), k), "time of the frame", to_text(times[k]),
+                       "finite");
     if (parts[k] > all_parts || part_offsets[k] > all_parts - parts[k])
-      throw InputError(file.where(steps + "NumberOfParts") + index, "parts of the frame",
+      throw InputError(element(file.where(steps + "NumberOfParts"), k), "parts of the frame",
                        std::to_string(parts[k]) + " from " + std::to_string(part_offsets[k]),
                        "within the " + std::to_string(all_parts) + " of NumberOfPoints");
     FramePlace frame{times[k], 0, point_offsets[k]};
