@@ -82,6 +82,47 @@ Case implicit_lump_on_slope() {
   return c;
 }
 
+Case awkward_lump() {
+  Case c = lump_on_slope();
+  Particles& p = c.state.particles;
+  const double h = c.scene.grid.spacing;
+  const Vec3 o = c.scene.grid.origin;
+  p.x[0] = o + h * Vec3(4, 4, 3);      // on a node
+  p.x[1] = o + h * Vec3(4, 4.5, 3.5);  // on a face
+  p.x[2] = Vec3(std::nextafter(p.x[1][0], 1), p.x[1][1], p.x[1][2]);
+  p.x[3] = Vec3(std::nextafter(p.x[1][0], 0), p.x[1][1], p.x[1][2]);
+  p.x[4] = p.x[5];                                     // coincident
+  p.x[6] = o + h * Vec3(40.25, -30.5, 25.75);          // alone
+  p.x[7] = o + h * Vec3(40.25 + 3.999, -30.5, 25.75);  // within reach by a thousandth of h
+  p.m[8] *= 1e-4;
+  p.V_0[8] *= 1e-4;
+  p.m[9] *= 1e3;
+  p.F_E[10] = -Mat3::Identity();
+  p.F_E[11] = Vec3(1, 1, -0.99).asDiagonal();
+  p.F_E[12] = Vec3(1, 0.5, 1e-3).asDiagonal();
+  p.F_E[13] << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  p.F_E[14] = Vec3(0.5, 0.6, 0.7).asDiagonal();
+  p.F_E[15] = Vec3(1.5, 1.2, 1.4).asDiagonal();
+  p.F_E[16] = Mat3::Identity();
+  p.F_P[17] *= 0.85;
+  p.F_P[18] *= 1.3;
+  p.v[19].setZero();
+  return c;
+}
+
+Case far_lump() {
+  Case c = lump_on_slope();
+  const Vec3 away = 20000 * c.scene.grid.spacing * Vec3(1, -1, 0.5);
+  c.scene.grid.origin += away;
+  for (Vec3& x : c.state.particles.x) x += away;
+  for (Collider& collider : c.scene.colliders) {
+    if (auto* plane = std::get_if<HalfSpace>(&collider.shape)) plane->point += away;
+    if (auto* sphere = std::get_if<Sphere>(&collider.shape)) sphere->center += away;
+    collider.center += away;
+  }
+  return c;
+}
+
 Case periodic_lump() {
   Case c{snow_scene(), {}};
   c.scene.grid.periodic = {0.3, 0, 0};

@@ -18,6 +18,15 @@ Case lump_on_slope();
 /// The same with a step of 1 ms, five times what explicit steps bear, solved to 1e-6.
 Case implicit_lump_on_slope();
 
+/// The lump with the awkward cases planted: particles on nodes, on cell faces and a bit
+/// beside them, coincident, alone and far away, a heavy one beside a light one; F_E
+/// inverted, singular, a rotation, strongly compressed and stretched; F_P hardened and
+/// softened.
+Case awkward_lump();
+
+/// The lump 20 000 cells from the world's origin, with a grid whose origin is there, too.
+Case far_lump();
+
 /// The lump without colliders in a box that is periodic along x.
 Case periodic_lump();
 
