@@ -34,7 +34,7 @@ SimulationError::SimulationError(Stage stage, Subject subject, std::int64_t inde
 std::string to_text(double value) {
   char buffer[32];
   for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+    (void)std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);  // 32 characters are enough
     if (std::strtod(buffer, nullptr) == value) break;
   }
   return buffer;

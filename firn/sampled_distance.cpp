@@ -10,13 +10,13 @@ namespace firn {
 
 /// The trilinear interpolant around one point.
 struct SampledDistance::Cell {
-  std::array<double, 8> phi;  // corner (a,b,c) at 4a + 2b + c
-  Vec3 s;                     // place in the cell, in [0, 1]³
+  std::array<double, 8> phi{};  // corner (a,b,c) at 4a + 2b + c
+  Vec3 s;                       // place in the cell, in [0, 1]³
 
   static double lerp(double a, double b, double s) { return a + s * (b - a); }
 
   double value() const {
-    std::array<double, 4> along_z;
+    std::array<double, 4> along_z{};
     for (int ab = 0; ab < 4; ++ab) along_z[ab] = lerp(phi[2 * ab], phi[2 * ab + 1], s[2]);
     return lerp(lerp(along_z[0], along_z[1], s[1]), lerp(along_z[2], along_z[3], s[1]), s[0]);
   }
@@ -114,7 +114,7 @@ double SampledDistance::find_lipschitz_bound() const {
 
 SampledDistance::Cell SampledDistance::cell_at(const Vec3& x) const {
   Cell cell;
-  std::array<int, 3> low;
+  std::array<int, 3> low{};
   for (int axis = 0; axis < 3; ++axis) {
     const double place = (x[axis] - box_.min[axis]) / spacing_;
     const double last = size_[axis] - 2;
