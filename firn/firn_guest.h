@@ -26,13 +26,13 @@ extern "C" {
 
 /* The ten stages of a step (Stomakhin et al. 2013, section 4.1). */
 enum firn_guest_stage {
-  FIRN_RASTERIZE = 1,        /* m_i, v_i */
-  FIRN_VOLUMES = 2,          /* V_p0 of the particles that have none yet (V_0 = 0) */
-  FIRN_GRID_FORCES = 3,      /* f_i */
-  FIRN_GRID_VELOCITIES = 4,  /* v_i* = v_i + dt (f_i/m_i + g) */
-  FIRN_GRID_COLLISIONS = 5,  /* v_i* after contact; free_directions in semi-implicit scenes */
-  FIRN_INTEGRATION = 6,      /* v_i^{n+1} */
-  FIRN_DEFORMATION = 7,      /* F_E, F_P */
+  FIRN_RASTERIZE = 1,       /* m_i, v_i */
+  FIRN_VOLUMES = 2,         /* V_p0 of the particles that have none yet (V_0 = 0) */
+  FIRN_GRID_FORCES = 3,     /* f_i */
+  FIRN_GRID_VELOCITIES = 4, /* v_i* = v_i + dt (f_i/m_i + g) */
+  FIRN_GRID_COLLISIONS = 5, /* v_i* after contact; free_directions in semi-implicit scenes */
+  FIRN_INTEGRATION = 6,     /* v_i^{n+1} */
+  FIRN_DEFORMATION = 7,     /* F_E, F_P */
   FIRN_PARTICLE_VELOCITIES = 8,
   FIRN_PARTICLE_COLLISIONS = 9,
   FIRN_POSITIONS = 10
@@ -76,9 +76,10 @@ typedef struct firn_guest_scene {
   size_t collider_count;
   const firn_guest_collider* colliders; /* to be applied in this order */
   /* Collider `index` at point x and time t. Valid until destroy(). */
-  void (*contact)(void* host, size_t index, const double x[3], double t, firn_guest_contact* result);
-  void* host;            /* first argument of contact() */
-  const char* toml;      /* the whole scene as resolved TOML text */
+  void (*contact)(void* host, size_t index, const double x[3], double t,
+                  firn_guest_contact* result);
+  void* host;       /* first argument of contact() */
+  const char* toml; /* the whole scene as resolved TOML text */
 } firn_guest_scene;
 
 /* A simulation between two stages. Arrays belong to Firn and live for the call. */

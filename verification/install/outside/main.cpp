@@ -69,7 +69,10 @@ int main() {
 
   firn::Registry registry;
   registry.add(firn::reference_entry());
-  registry.add({"falling", "point masses in free fall", {firn::Precision::float64}, false,
+  registry.add({"falling",
+                "point masses in free fall",
+                {firn::Precision::float64},
+                false,
                 [](const firn::SolverOptions&) { return std::make_unique<FallingParticles>(); }});
 
   const auto reference = registry.create("reference", {});
