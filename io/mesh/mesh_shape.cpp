@@ -52,7 +52,9 @@ void place(TriangleMesh& mesh, double scale, const Vec3& translate, const std::s
 /// A grid around the mesh, with its middle in the middle so that a symmetric
 /// mesh has symmetric samples.
 SampleGrid grid_around(const TriangleMesh& mesh, double spacing, const std::string& where) {
-  constexpr int margin = 3;  // samples on either side, for the slope just outside
+  // Samples beyond the surface. A node with mass lies up to 2 h from a particle:
+  // with twice that, containers have exact distances wherever they are asked for.
+  constexpr int margin = 8;
   const Bounds b = bounds(mesh);
   std::array<double, 3> size;
   for (int axis = 0; axis < 3; ++axis)
@@ -93,16 +95,11 @@ void for_each_distance(const TriangleMesh& mesh, const SampleGrid& grid, Wanted 
                        Visit visit) {
   const TriangleTree tree(mesh);
   std::size_t index = 0;
+  std::int32_t nearest = -1;
   for (int i = 0; i < grid.size[0]; ++i)
-    for (int j = 0; j < grid.size[1]; ++j) {
-      double at_most = std::numeric_limits<double>::infinity();
-      for (int k = 0; k < grid.size[2]; ++k, ++index) {
-        at_most += 1.001 * grid.spacing;  // from one point to the next the distance grows by less
-        if (!wanted(index)) continue;
-        at_most = tree.distance(grid.point(i, j, k), at_most);
-        visit(index, at_most);
-      }
-    }
+    for (int j = 0; j < grid.size[1]; ++j)
+      for (int k = 0; k < grid.size[2]; ++k, ++index)
+        if (wanted(index)) visit(index, tree.distance(grid.point(i, j, k), nearest));
 }
 
 Shape make_shape(const SampleGrid& grid, std::vector<float> phi, const std::string& where) try {

@@ -1,7 +1,9 @@
 #include "io/mesh/triangle_tree.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace firn {
@@ -75,20 +77,25 @@ std::int32_t TriangleTree::build(std::int32_t first, std::int32_t count) {
   return node;
 }
 
-double TriangleTree::distance(const Vec3& x, double at_most) const {
-  double nearest = at_most * at_most;
-  if (!nodes_.empty()) search(0, x, nearest);
-  return std::sqrt(nearest);
+double TriangleTree::distance_squared_to(std::int32_t triangle, const Vec3& x) const {
+  const auto& [a, b, c] = mesh_.triangles[triangle];
+  return firn::distance_squared(x, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]);
 }
 
-void TriangleTree::search(std::int32_t index, const Vec3& x, double& nearest) const {
+double TriangleTree::distance(const Vec3& x, std::int32_t& nearest) const {
+  Found found{std::numeric_limits<double>::infinity(), -1};
+  if (nearest >= 0) found = {distance_squared_to(nearest, x), nearest};
+  if (!nodes_.empty()) search(0, x, found);
+  nearest = found.triangle;
+  return std::sqrt(found.distance_squared);
+}
+
+void TriangleTree::search(std::int32_t index, const Vec3& x, Found& found) const {
   const Node& node = nodes_[index];
   if (node.count > 0) {
     for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
-      const Triangle& c = mesh_.triangles[order_[t]];
-      nearest =
-          std::min(nearest, firn::distance_squared(x, mesh_.vertices[c[0]], mesh_.vertices[c[1]],
-                                                   mesh_.vertices[c[2]]));
+      const double squared = distance_squared_to(order_[t], x);
+      if (squared < found.distance_squared) found = {squared, order_[t]};
     }
     return;
   }
@@ -100,7 +107,7 @@ void TriangleTree::search(std::int32_t index, const Vec3& x, double& nearest) co
     std::swap(gap[0], gap[1]);
   }
   for (int side = 0; side < 2; ++side)
-    if (gap[side] < nearest) search(child[side], x, nearest);
+    if (gap[side] < found.distance_squared) search(child[side], x, found);
 }
 
 }  // namespace firn

@@ -1,7 +1,6 @@
 #pragma once
 /// Exact distance to a set of triangles: a tree of bounding boxes.
 
-#include <limits>
 #include <vector>
 
 #include "io/mesh/triangle_mesh.hpp"
@@ -17,8 +16,11 @@ class TriangleTree {
   /// The mesh must outlive the tree.
   explicit TriangleTree(const TriangleMesh& mesh);
 
-  /// Distance from x to the nearest triangle, or `at_most` if none is nearer [m].
-  double distance(const Vec3& x, double at_most = std::numeric_limits<double>::infinity()) const;
+  /// Distance from x to the nearest triangle; infinite if there is none [m].
+  /// `nearest`, if not negative, is a triangle likely to be near, such as the
+  /// answer for a point next to x: the better the guess, the faster the search.
+  /// It becomes the triangle found.
+  double distance(const Vec3& x, std::int32_t& nearest) const;
 
  private:
   struct Node {
@@ -28,7 +30,13 @@ class TriangleTree {
 
   std::int32_t build(std::int32_t first, std::int32_t count);
   Bounds box_of(std::int32_t first, std::int32_t count) const;
-  void search(std::int32_t node, const Vec3& x, double& nearest) const;
+  double distance_squared_to(std::int32_t triangle, const Vec3& x) const;
+
+  struct Found {
+    double distance_squared;
+    std::int32_t triangle;
+  };
+  void search(std::int32_t node, const Vec3& x, Found& found) const;
 
   const TriangleMesh& mesh_;
   std::vector<std::int32_t> order_;  // triangles, so that every leaf's are neighbours

@@ -57,14 +57,20 @@ TEST(TriangleTree, FindsTheNearestTriangle) {
     for (const auto& [a, b, c] : mesh.triangles)
       nearest = std::min(nearest,
                          distance_squared(x, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]));
-    EXPECT_EQ(tree.distance(x), std::sqrt(nearest));
-    EXPECT_NEAR(tree.distance(x, 0.01), std::min(std::sqrt(nearest), 0.01), eps);
+    std::int32_t found = -1;
+    EXPECT_EQ(tree.distance(x, found), std::sqrt(nearest));
+    const auto& [a, b, c] = mesh.triangles.at(found);
+    EXPECT_EQ(distance_squared(x, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]), nearest);
+    std::int32_t bad_guess = p;
+    EXPECT_EQ(tree.distance(x, bad_guess), std::sqrt(nearest));
   }
 }
 
 TEST(TriangleTree, OfNoTrianglesIsInfinitelyFar) {
   const TriangleMesh none;
-  EXPECT_EQ(TriangleTree(none).distance(Vec3::Zero()), std::numeric_limits<double>::infinity());
+  std::int32_t nearest = -1;
+  EXPECT_EQ(TriangleTree(none).distance(Vec3::Zero(), nearest),
+            std::numeric_limits<double>::infinity());
 }
 
 }  // namespace
