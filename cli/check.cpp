@@ -39,11 +39,12 @@ int run_check_verb(const Arguments& arguments, Context& context) {
   options.mode = mode_from_name(arguments.mode);
   options.steps = arguments.steps;
   options.start_step = arguments.start_step;
-  const auto subject = arguments.solver->create(context.registry);
-  SolverOptions reference_options;
-  reference_options.threads = arguments.solver->settings().threads;
-  const auto reference = context.registry.create(arguments.against, reference_options);
   const Scene scene = arguments.scene->read();
+  const std::size_t particles = sample_bodies(scene).size();
+  const auto subject = arguments.solver->create(context.registry, particles);
+  SolverOptions reference_options;
+  reference_options.threads = arguments.solver->settings(particles).threads;
+  const auto reference = context.registry.create(arguments.against, reference_options);
 
   ProgressBar progress("checking " + scene.name);
   options.progress = [&](std::int64_t done) {

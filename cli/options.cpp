@@ -1,5 +1,7 @@
 #include "cli/options.hpp"
 
+#include <algorithm>
+
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
 #include "io/scene/scene_file.hpp"
@@ -23,7 +25,12 @@ std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb) {
   return option;
 }
 
-SolverOptions SolverOption::settings() const {
+int threads_worth_having(std::size_t particles) {
+  const std::size_t worth = 1 + particles / 16384;
+  return static_cast<int>(std::min(worth, static_cast<std::size_t>(available_processors())));
+}
+
+SolverOptions SolverOption::settings(std::size_t particles) const {
   SolverOptions options;
   if (precision == "double") {
     options.precision = Precision::float64;
@@ -34,16 +41,17 @@ SolverOptions SolverOption::settings() const {
   }
   if (threads < 0 || threads > 1024)
     throw InputError("--threads", "number of threads", std::to_string(threads),
-                     "1 to 1024, or 0 for one per processor");
-  options.threads = threads == 0 ? available_processors() : threads;
+                     "1 to 1024, or 0 for as many as pay");
+  options.threads = threads == 0 ? threads_worth_having(particles) : threads;
   return options;
 }
 
-std::unique_ptr<Solver> SolverOption::create(const Registry& registry) const {
-  if (!names_a_guest(name)) return registry.create(name, settings());
+std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
+                                             std::size_t particles) const {
+  if (!names_a_guest(name)) return registry.create(name, settings(particles));
   GuestOptions guest;
   guest.time_limit = time_limit;
-  return make_guest_solver(name, settings(), guest);
+  return make_guest_solver(name, settings(particles), guest);
 }
 
 std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver) {
@@ -55,7 +63,8 @@ std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::strin
       ->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,
-                  "threads; 0 = one per processor; the result does not depend on it")
+                  "threads; 0 = one per 16384 particles, at most one per processor; the "
+                  "result does not depend on it")
       ->capture_default_str();
   verb.add_option("--time-limit", option->time_limit,
                   "seconds that a library or command may take for one answer")

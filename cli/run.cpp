@@ -46,7 +46,7 @@ void check_ranges(const Arguments& arguments) {
                      "only together with --resume FILE");
 }
 
-RunOptions run_options(const Arguments& arguments, Context& context) {
+RunOptions run_options(const Arguments& arguments, std::size_t particles, Context& context) {
   RunOptions options;
   options.output = output_path(arguments);
   options.steps = arguments.steps;
@@ -54,7 +54,7 @@ RunOptions run_options(const Arguments& arguments, Context& context) {
   options.frames_per_second = arguments.frames_per_second;
   options.resume = arguments.resume;
   options.resume_frame = arguments.resume_frame;
-  options.threads = arguments.solver->settings().threads;
+  options.threads = arguments.solver->settings(particles).threads;
   options.processor = processor_name();
   options.stop = &context.stop;
   return options;
@@ -137,14 +137,14 @@ void print_summary(const RunResult& result, const std::filesystem::path& out,
 
 int run_run(const Arguments& arguments, Context& context) {
   check_ranges(arguments);
-  RunOptions options = run_options(arguments, context);
-  const auto solver = arguments.solver->create(context.registry);
   const Scene scene = arguments.scene->read();
+  const std::size_t count = sample_bodies(scene).size();
+  RunOptions options = run_options(arguments, count, context);
+  const auto solver = arguments.solver->create(context.registry, count);
 
   ProgressBar bar(scene.name);
-  std::int64_t particles = 0;
+  const auto particles = static_cast<std::int64_t>(count);
   options.on_step = [&](const Progress& p) {
-    particles = p.particles;
     bar.show(p.fraction, fmt::format("t = {:.4f} s, {:.0f} steps/s", p.time, p.steps_per_second));
   };
   options.on_retry = [&](const Retry& r) {
