@@ -10,4 +10,6 @@ void register_builtin_solvers(Registry& registry) {
   registry.add(optimized_entry());
 }
 
+std::string instruction_set() { return optimized_target_name(); }
+
 }  // namespace firn::cli

@@ -6,10 +6,11 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
+#include "cli/builtin_solvers.hpp"
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/machine.hpp"
-#include "optimized/optimized_solver.hpp"
+#include "io/mesh/mesh_shape.hpp"
 
 namespace firn::cli {
 
@@ -32,11 +33,11 @@ Rows info_rows() {
           {"flags", build.flags},
           {"processor", processor_name()},
           {"processors", std::to_string(available_processors())},
-          {"instruction_set", optimized_target_name()},
+          {"instruction_set", instruction_set()},
           {"eigen",
            fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
           {"hdf5", hdf5_version()},
-          {"openvdb", false ? "yes" : "no: mesh and level-set shapes are refused"}};
+          {"openvdb", has_openvdb() ? "yes" : "no: mesh and level-set shapes are refused"}};
 }
 
 void print_info(bool json) {

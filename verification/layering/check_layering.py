@@ -31,6 +31,9 @@ ALLOWED = {
     "verification/check/tests": ["firn", "io", "verification/check", ROOT_OF_SOLVERS],
     "verification/reference": ["firn", "io", "reference", "verification"],
     "verification/optimized": ["firn", "io", "optimized", "verification", ROOT_OF_SOLVERS],
+    "verification/optimized_kernels": ["firn", "optimized", "verification"],
+    # A project of its own, built against the installed package.
+    "verification/install/outside": ["firn", "reference", "verification"],
     "bench": ["firn", "io", "verification", ROOT_OF_SOLVERS],
     # Kernels are measured one by one, below the interface of solvers.
     "bench/kernels": ["firn", "reference", "optimized", "bench"],

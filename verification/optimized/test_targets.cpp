@@ -6,9 +6,9 @@
 #include <cstdlib>
 #include <gtest/gtest.h>
 
+#include "cli/builtin_solvers.hpp"
 #include "firn/error.hpp"
 #include "optimized/optimized_solver.hpp"
-#include "reference/reference_solver.hpp"
 #include "verification/check/check.hpp"
 #include "verification/optimized/snow.hpp"
 
@@ -28,7 +28,9 @@ class Targets : public testing::Test {
 
 TEST_F(Targets, EveryOneIsDispatchedAndValid) {
   const Scene scenes[] = {collision_of_everything(), periodic_snow(true), periodic_snow(false)};
-  const auto reference = make_reference_solver({Precision::float64, 1});
+  Registry registry;
+  cli::register_builtin_solvers(registry);
+  const auto reference = registry.create("reference", {});
   int checked = 0;
   for (const std::string& target : optimized_targets()) {
     ASSERT_EQ(setenv("FIRN_TARGET", lower(target).c_str(), 1), 0);
