@@ -54,6 +54,7 @@ struct Body {
   Vec3 velocity = Vec3::Zero();          ///< [m/s]; from_file: added
   Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s], about center(shape)
   Particles particles;                   ///< with Sampling::from_file: the particles read
+  std::string file;                      ///< with Sampling::from_file: where they were read
 };
 
 struct Scene {

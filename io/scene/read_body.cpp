@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "io/scene/read_scene.hpp"
+#include "io/trajectory_reader.hpp"
 
 namespace firn {
 
@@ -18,12 +21,25 @@ std::int32_t read_material_name(const TomlTable& table, const std::vector<Materi
   table.refuse("material", "unknown material", known);
 }
 
-void check_reach(const TomlTable& table, const Bounds& bounds, const GridSettings& grid) {
+void check_extent(const TomlTable& table, const Bounds& bounds, const GridSettings& grid) {
   const Vec3 low = (bounds.min - grid.origin) / grid.spacing;
   const Vec3 high = (bounds.max - grid.origin) / grid.spacing;
   if (low.minCoeff() < -farthest_node || high.maxCoeff() > farthest_node)
-    table.refuse("shape", "too far from the grid's origin",
-                 "at most 2^30 h = " + to_text(farthest_node * grid.spacing) + " m");
+    throw InputError(table.where("shape"), "too far from the grid's origin",
+                     to_text(std::max(high.maxCoeff(), -low.minCoeff()) * grid.spacing) + " m",
+                     "at most 2^30 h = " + to_text(farthest_node * grid.spacing) + " m");
+  for (int axis = 0; axis < 3; ++axis) {
+    const double period = grid.periodic[axis];
+    // Both are sums of a few decimal fractions, each rounded by eps/2 of its size.
+    const double roundoff = 8 * std::numeric_limits<double>::epsilon() *
+                            std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
+    if (period > 0 && bounds.max[axis] - bounds.min[axis] > period + roundoff) {
+      constexpr const char* names[] = {"x", "y", "z"};
+      throw InputError(
+          table.where("shape"), std::string("wider than the period along ") + names[axis],
+          to_text(bounds.max[axis] - bounds.min[axis]) + " m", "at most " + to_text(period) + " m");
+    }
+  }
 }
 
 /// Lattice sampling needs n³ particles in a cell.
@@ -45,6 +61,35 @@ void read_sampling(const TomlTable& table, Body& body) {
     table.refuse("volumes", "poisson sampling has no exact volumes", "\"estimated\"");
 }
 
+/// The last frame of a trajectory. It brings its own masses, volumes and
+/// deformations, so that nothing about sampling is left to say.
+void read_particles(const TomlTable& table, const SceneContext& context, Body& body) {
+  for (const char* key : {"particles_per_cell", "sampling", "seed", "volumes"})
+    if (table.has(key))
+      table.refuse(key, "stated beside shape = \"particles\"", "nothing: the file has it");
+  if (table.has("angular_velocity"))
+    table.refuse("angular_velocity", "stated beside shape = \"particles\"",
+                 "velocity, which is added to the file's");
+  const TomlTable shape = table.table("shape");
+  shape.allow_only({"type", "file"});
+  if (context.options.scale != 1)
+    shape.refuse("file", "particles from a file cannot be refined", "scale 1");
+  body.sampling = Sampling::from_file;
+  body.file = shape_file(shape, context);
+  try {
+    body.particles = read_last_frame(body.file);
+  } catch (const InputError& error) {
+    throw InputError(shape.where("file") + ": " + error.what());
+  }
+  for (std::int32_t& material : body.particles.material) material = body.material;
+  Bounds bounds{context.scene.grid.origin, context.scene.grid.origin};
+  for (const Vec3& x : body.particles.x) {
+    bounds.min = bounds.min.cwiseMin(x);
+    bounds.max = bounds.max.cwiseMax(x);
+  }
+  check_extent(table, bounds, context.scene.grid);
+}
+
 }  // namespace
 
 Body read_body(const TomlTable& table, const SceneContext& context) {
@@ -52,10 +97,14 @@ Body read_body(const TomlTable& table, const SceneContext& context) {
                     "velocity", "angular_velocity"});
   Body body;
   body.material = read_material_name(table, context.scene.materials);
-  body.shape = read_shape(table.table("shape"), ShapeUse::body, context);
-  check_reach(table, *bounds(body.shape), context.scene.grid);
-  read_sampling(table, body);
   body.velocity = table.vec3_or("velocity", any("m/s"), Vec3::Zero());
+  if (table.table("shape").is_text("type", "particles")) {
+    read_particles(table, context, body);
+    return body;
+  }
+  body.shape = read_shape(table.table("shape"), ShapeUse::body, context);
+  check_extent(table, *bounds(body.shape), context.scene.grid);
+  read_sampling(table, body);
   body.angular_velocity = table.vec3_or("angular_velocity", any("rad/s"), Vec3::Zero());
   return body;
 }

@@ -27,6 +27,10 @@ Collider read_collider(const TomlTable& table, const SceneContext& context);
 
 enum class ShapeUse { body, collider };
 
+/// `file` of a shape: absolute, so that the resolved text means the same file
+/// from wherever it is read.
+std::string shape_file(const TomlTable& shape, const SceneContext& context);
+
 /// Every shape but `particles`, which is no shape but a list of particles.
 Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext& context);
 

@@ -44,6 +44,15 @@ HalfSpace read_half_space(const TomlTable& table, ShapeUse use) {
 
 }  // namespace
 
+std::string shape_file(const TomlTable& shape, const SceneContext& context) {
+  const std::filesystem::path file = context.base_dir / shape.text("file");
+  const std::string path = std::filesystem::absolute(file).lexically_normal().string();
+  if (path.size() > 4096 || one_line(path) != path)
+    shape.refuse("file", "not a path that a scene can store",
+                 "at most 4096 bytes of printable UTF-8");
+  return path;
+}
+
 Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext&) {
   switch (table.choice("type", {"sphere", "box", "cylinder", "half-space"})) {
     case 0: return read_sphere(table);

@@ -219,12 +219,16 @@ bool TomlTable::is_number(std::string_view key) const {
   return node != nullptr && node->is_number();
 }
 
-bool TomlTable::is_infinite(std::string_view key) const {
+bool TomlTable::is_text(std::string_view key, std::string_view value) const {
   const toml::node* node = table_->get(key);
-  if (node == nullptr) return false;
-  if (const auto* string = node->as_string()) return string->get() == "inf";
-  const auto* number = node->as_floating_point();
-  return number != nullptr && number->get() == HUGE_VAL;
+  return node != nullptr && node->is_string() && node->as_string()->get() == value;
+}
+
+bool TomlTable::is_infinite(std::string_view key) const {
+  if (is_text(key, "inf")) return true;
+  const toml::node* node = table_->get(key);
+  return node != nullptr && node->is_floating_point() &&
+         node->as_floating_point()->get() == HUGE_VAL;
 }
 
 }  // namespace firn

@@ -56,6 +56,7 @@ class TomlTable {
 
   bool has(std::string_view key) const { return table_->contains(key); }
   bool is_number(std::string_view key) const;
+  bool is_text(std::string_view key, std::string_view value) const;
 
   // Required values.
   double number(std::string_view key, const Range& range) const;
@@ -76,7 +77,7 @@ class TomlTable {
   Vec3 vec3_or(std::string_view key, const Range& range, const Vec3& otherwise) const;
   bool boolean_or(std::string_view key, bool otherwise) const;
 
-  /// Is the value the string "inf" or TOML's own inf?
+  /// The string "inf" or TOML's own inf?
   bool is_infinite(std::string_view key) const;
 
   /// "FILE:LINE: key `a.b`", at the value of the key or, if missing, at the table.

@@ -12,6 +12,8 @@
 
 #include "firn/error.hpp"
 #include "io/scene/scene_file.hpp"
+#include "io/trajectory_writer.hpp"
+#include "verification/scene/fresh_folder.hpp"
 
 namespace firn {
 namespace {
@@ -140,8 +142,58 @@ std::string repeated(const std::string& text, int times) {
   return all;
 }
 
+/// Paths in messages are absolute; in the document they are not.
+std::string without(std::string text, const std::string& part) {
+  for (std::size_t at; (at = text.find(part)) != std::string::npos;) text.erase(at, part.size());
+  return text;
+}
+
+void write_trajectory(const std::string& name, int frames) {
+  const Scene scene = find_scene("two_particles");
+  const State state = initial_state(scene);
+  TrajectoryWriter writer(name, {"nobody", Precision::float64, 1, "0", "none", scene.toml},
+                          static_cast<std::int64_t>(state.particles.size()), 0, frames, 0);
+  for (int frame = 0; frame < frames; ++frame) writer.write_frame(state, {});
+  writer.finish();
+}
+
+/// Bodies of particles, from files good and bad.
+std::map<std::string, std::function<void()>> particle_cases(const std::filesystem::path& folder) {
+  write("text.vtkhdf", "no HDF5\n");
+  write_trajectory("good.vtkhdf", 1);
+  std::filesystem::copy_file("good.vtkhdf", "cut.vtkhdf",
+                             std::filesystem::copy_options::overwrite_existing);
+  std::filesystem::resize_file("cut.vtkhdf", std::filesystem::file_size("good.vtkhdf") / 2);
+
+  const auto read = [folder](const std::string& file, const std::string& more = "",
+                             double scale = 1) {
+    return [=] {
+      const std::string scene = good_scene();
+      const std::size_t shape = scene.find("shape = {"), end = scene.find("[[collider]]");
+      std::string bad = scene;
+      bad.replace(shape, end - shape,
+                  "shape = { type = \"particles\", file = \"" + file + "\" }\n" + more);
+      SceneOptions options;
+      options.scale = scale;
+      parse_scene(bad, "scene.toml", folder, options);
+    };
+  };
+  EXPECT_NO_THROW(read("good.vtkhdf")()) << "or the cases below prove nothing";
+  return {
+      {"a body of particles, file not there", read("missing.vtkhdf")},
+      {"a body of particles, a directory", read("folder.toml")},
+      {"a body of particles, a text file", read("text.vtkhdf")},
+      {"a body of particles, a trajectory cut off in the middle", read("cut.vtkhdf")},
+      {"a body of particles that states a seed", read("good.vtkhdf", "seed = 1\n")},
+      {"a body of particles that spins", read("good.vtkhdf", "angular_velocity = [0, 0, 1]\n")},
+      {"a body of particles, refined", read("good.vtkhdf", "", 2)},
+      {"a collider of particles",
+       read("good.vtkhdf", "[[collider]]\nsticky = true\nshape = { type = \"particles\" }\n")},
+  };
+}
+
 TEST(BadInput, Files) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "firn_bad_input";
+  const auto folder = fresh_folder("firn_bad_input");
   std::filesystem::create_directories(folder / "folder.toml");
   std::filesystem::current_path(folder);
   write("empty.toml", "");
@@ -150,21 +202,23 @@ TEST(BadInput, Files) {
   write("nested.toml", "a = " + repeated("[", 300));
   write("deep.toml", repeated("a.", 69) + "a = 1");
 
-  const std::map<std::string, std::string> file_of = {
-      {"a file that is not there", "missing.toml"},
-      {"a directory", "folder.toml"},
-      {"an empty file", "empty.toml"},
-      {"a trajectory in place of a scene", "trajectory.toml"},
-      {"17 MiB of blanks", "blank.toml"},
-      {"arrays nested 300 deep", "nested.toml"},
-      {"a key of 70 parts", "deep.toml"},
-      {"a name close to a built-in scene", "snowball_dorp"},
-      {"a name like none", "quicksilver"},
+  std::map<std::string, std::function<void()>> cases = {
+      {"a file that is not there", [] { find_scene("missing.toml"); }},
+      {"a directory", [] { find_scene("folder.toml"); }},
+      {"an empty file", [] { find_scene("empty.toml"); }},
+      {"a trajectory in place of a scene", [] { find_scene("trajectory.toml"); }},
+      {"17 MiB of blanks", [] { find_scene("blank.toml"); }},
+      {"arrays nested 300 deep", [] { find_scene("nested.toml"); }},
+      {"a key of 70 parts", [] { find_scene("deep.toml"); }},
+      {"a name close to a built-in scene", [] { find_scene("snowball_dorp"); }},
+      {"a name like none", [] { find_scene("quicksilver"); }},
   };
-  const int cases = check_table("## Files", [&](const std::vector<std::string>& row) {
-    return message_of([&] { find_scene(file_of.at(row.at(0))); });
+  for (const auto& [name, read] : particle_cases(folder)) cases[name] = read;
+  const int checked = check_table("## Files", [&](const std::vector<std::string>& row) {
+    const std::string message = message_of(cases.at(row.at(0)));
+    return without(message, folder.string() + "/");
   });
-  EXPECT_EQ(cases, static_cast<int>(file_of.size()));
+  EXPECT_EQ(checked, static_cast<int>(cases.size()));
 }
 
 }  // namespace

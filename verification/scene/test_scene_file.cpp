@@ -10,6 +10,8 @@
 #include "firn/error.hpp"
 #include "io/scene/builtin_scenes.hpp"
 #include "io/scene/scene_file.hpp"
+#include "io/trajectory_writer.hpp"
+#include "verification/scene/fresh_folder.hpp"
 
 namespace firn {
 namespace {
@@ -29,8 +31,8 @@ TEST(SceneFile, EveryKeyArrives) {
   EXPECT_EQ(scene.gravity, Vec3(0.1, 0.2, -9.81));
   EXPECT_EQ(scene.grid.spacing, 0.05);
   EXPECT_EQ(scene.grid.origin, Vec3(0.5, 0.25, -0.125));
-  EXPECT_EQ(scene.grid.periodic, Vec3(0, 0.4, 0));
-  EXPECT_EQ(scene.grid.period_nodes(1), 8);
+  EXPECT_EQ(scene.grid.periodic, Vec3(0, 0.8, 0));
+  EXPECT_EQ(scene.grid.period_nodes(1), 16);
   EXPECT_EQ(scene.time.end, 1.0);
   EXPECT_FALSE(scene.time.adaptive);
   EXPECT_EQ(scene.time.step, 1e-4);
@@ -105,6 +107,71 @@ TEST(SceneFile, NegativeZeroKeepsItsSign) {
   text.replace(text.find(from), from.size(), "velocity = [-0.0, 2.0, 3.0]");
   const Scene again = parse(parse(text).toml);
   EXPECT_TRUE(std::signbit(again.bodies[0].velocity.x()));
+}
+
+/// A trajectory of one frame, and the state in it.
+State write_trajectory(const std::filesystem::path& path) {
+  State state = initial_state(find_scene("two_particles"));
+  state.particles.F_E[0](0, 1) = 0.1;
+  state.particles.F_P[1](2, 2) = 0.9;
+  TrajectoryWriter writer(path, {"nobody", Precision::float64, 1, "0", "none", ""}, 2, 0, 1, 0);
+  writer.write_frame(state, {});
+  writer.finish();
+  return state;
+}
+
+TEST(SceneFile, ParticlesComeFromTheLastFrame) {
+  const auto folder = fresh_folder("firn scene \"quoted\"");
+  const State state = write_trajectory(folder / "state.vtkhdf");
+  std::string text = full_scene();
+  const std::size_t begin = text.find("[[body]]"), end = text.find("[[collider]]");
+  text.replace(begin, end - begin,
+               "[[body]]\nmaterial = 'rubber \"soft\"'\nvelocity = [0, 0, 1]\n"
+               "shape = { type = 'particles', file = 'state.vtkhdf' }\n");
+  const Scene scene = parse_scene(text, "test.toml", folder);
+  const Scene again = parse_scene(scene.toml, "again.toml", "/nowhere");
+  EXPECT_EQ(again.toml, scene.toml) << "named by its absolute path";
+  for (const Scene& each : {scene, again}) {
+    const Particles particles = sample_bodies(each);
+    ASSERT_EQ(particles.size(), 2u);
+    for (std::size_t p = 0; p < 2; ++p) {
+      EXPECT_EQ(particles.x[p], each.wrap(state.particles.x[p]));
+      EXPECT_EQ(particles.v[p], state.particles.v[p] + Vec3(0, 0, 1)) << "velocity is added";
+      EXPECT_EQ(particles.m[p], state.particles.m[p]);
+      EXPECT_EQ(particles.V_0[p], state.particles.V_0[p]);
+      EXPECT_EQ(particles.F_E[p], state.particles.F_E[p]);
+      EXPECT_EQ(particles.F_P[p], state.particles.F_P[p]);
+      EXPECT_EQ(particles.material[p], 1) << "the body's, not the file's";
+    }
+  }
+}
+
+TEST(SceneFile, ScaleRefinesGridAndSteps) {
+  SceneOptions twice;
+  twice.scale = 2;
+  const Scene coarse = parse(full_scene()), fine = parse(full_scene(), twice);
+  EXPECT_EQ(fine.grid.spacing, coarse.grid.spacing / 2);
+  EXPECT_EQ(fine.grid.periodic, coarse.grid.periodic);
+  EXPECT_EQ(fine.time.step, coarse.time.step / 2);
+  EXPECT_EQ(fine.time.end, coarse.time.end);
+  const double ratio = static_cast<double>(sample_bodies(fine).size()) /
+                       static_cast<double>(sample_bodies(coarse).size());
+  // A surface of some 7e2 cells, each filled or not by chance: a percent or two of 1.4e4 particles.
+  EXPECT_NEAR(ratio, 8, 0.3);
+  EXPECT_EQ(parse(fine.toml).toml, fine.toml) << "resolved text is refined already";
+}
+
+TEST(SceneFile, AnExistingFileIsReadAndNamesAreBuiltIn) {
+  const auto folder = fresh_folder("firn_find_scene");
+  std::filesystem::current_path(folder);
+  std::ofstream("column.toml") << full_scene();
+  std::ofstream("column") << full_scene();
+  std::ofstream("mine") << full_scene();
+  EXPECT_EQ(find_scene("column.toml").name, "every key");
+  EXPECT_EQ(find_scene("./column").name, "every key");
+  EXPECT_EQ(find_scene((folder / "mine").string()).name, "every key");
+  EXPECT_EQ(find_scene("column").name, "column") << "a bare name is a built-in scene first";
+  EXPECT_EQ(find_scene("mine").name, "every key") << "and a file after that";
 }
 
 TEST(BuiltinScenes, AreSortedDescribedAndReadable) {
