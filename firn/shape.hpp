@@ -38,7 +38,7 @@ struct HalfSpace {
 /// A closed triangle mesh or a level-set file, held as distances on a grid.
 struct SampledShape {
   std::shared_ptr<const SampledDistance> distance;
-  std::string source;  ///< as a scene file writes the shape; empty if it came from no file
+  std::string source = {};  ///< as a scene file writes the shape; empty if it came from no file
 };
 
 using Shape = std::variant<Sphere, Box, Cylinder, HalfSpace, SampledShape>;
