@@ -20,6 +20,11 @@ herr_t collect(unsigned /*depth*/, const H5E_error2_t* error, void* data) {
   return 0;
 }
 
+/// Our objects close what they open. HDF5's own exit handler would write a file
+/// once more that a full disk has already made us give up, and crash. It has to be
+/// told before any other call of the library.
+[[maybe_unused]] const bool no_exit_handler = [] { return H5dont_atexit() >= 0; }();
+
 }  // namespace
 
 std::string last_error() {
