@@ -1,4 +1,8 @@
+#include <system_error>
+
+#include "io/mesh/mesh_shape.hpp"
 #include "io/scene/read_scene.hpp"
+#include "io/scene/toml_text.hpp"
 
 namespace firn {
 
@@ -34,12 +38,55 @@ Cylinder read_cylinder(const TomlTable& table) {
   return cylinder;
 }
 
-HalfSpace read_half_space(const TomlTable& table, ShapeUse use) {
-  if (use == ShapeUse::body)
-    table.refuse("type", "a body cannot fill half of space",
-                 "\"sphere\", \"box\", \"cylinder\", \"mesh\", \"particles\"");
+HalfSpace read_half_space(const TomlTable& table) {
   table.allow_only({"type", "point", "normal"});
   return {table.vec3("point", any("m")), direction(table, "normal")};
+}
+
+/// Loads a shape from `file`; the complaint names both the scene and the file.
+template <class Load>
+Shape loaded(const TomlTable& table, const std::string& source, Load load) {
+  try {
+    SampledShape shape = std::get<SampledShape>(load());
+    shape.source = source;
+    return shape;
+  } catch (const InputError& error) {
+    throw InputError(table.where("file") + ": " + error.what());
+  }
+}
+
+Shape read_mesh_shape(const TomlTable& table, const SceneContext& context) {
+  table.allow_only({"type", "file", "scale", "translate"});
+  const std::string file = shape_file(table, context);
+  const double scale = table.number_or("scale", positive(1e9), 1);
+  const Vec3 translate = table.vec3_or("translate", any("m"), Vec3::Zero());
+  const std::string source = "{ type = \"mesh\", file = " + toml_string(file) +
+                             ", scale = " + toml_number(scale) +
+                             ", translate = " + toml_vector(translate) + " }";
+  return loaded(table, source, [&] {
+    return load_mesh_shape(file, scale, translate, context.scene.grid.spacing);
+  });
+}
+
+Shape read_level_set(const TomlTable& table, const SceneContext& context) {
+  table.allow_only({"type", "file"});
+  const std::string file = shape_file(table, context);
+  const std::string source = "{ type = \"level-set\", file = " + toml_string(file) + " }";
+  return loaded(table, source, [&] { return load_level_set_shape(file); });
+}
+
+constexpr const char* body_shapes = "\"sphere\", \"box\", \"cylinder\", \"mesh\", \"particles\"";
+constexpr const char* collider_shapes =
+    "\"sphere\", \"box\", \"cylinder\", \"half-space\", \"mesh\", \"level-set\"";
+
+/// Shapes that exist, but not for this use.
+void refuse_misfit(const TomlTable& table, ShapeUse use) {
+  if (use == ShapeUse::collider && table.is_text("type", "particles"))
+    table.refuse("type", "a collider cannot consist of particles", collider_shapes);
+  if (use == ShapeUse::body && table.is_text("type", "half-space"))
+    table.refuse("type", "a body cannot fill half of space", body_shapes);
+  if (use == ShapeUse::body && table.is_text("type", "level-set"))
+    table.refuse("type", "level sets are for colliders", body_shapes);
 }
 
 }  // namespace
@@ -50,16 +97,24 @@ std::string shape_file(const TomlTable& shape, const SceneContext& context) {
   if (path.size() > 4096 || one_line(path) != path)
     shape.refuse("file", "not a path that a scene can store",
                  "at most 4096 bytes of printable UTF-8");
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) shape.refuse("file", "no such file", "a readable file");
+  if (std::filesystem::is_directory(status)) shape.refuse("file", "a directory", "a readable file");
   return path;
 }
 
-Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext&) {
-  switch (table.choice("type", {"sphere", "box", "cylinder", "half-space"})) {
-    case 0: return read_sphere(table);
-    case 1: return read_box(table);
-    case 2: return read_cylinder(table);
-    default: return read_half_space(table, use);
-  }
+Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext& context) {
+  refuse_misfit(table, use);
+  const char* allowed = use == ShapeUse::body ? body_shapes : collider_shapes;
+  const std::string type = table.word("type", allowed);
+  if (type == "sphere") return read_sphere(table);
+  if (type == "box") return read_box(table);
+  if (type == "cylinder") return read_cylinder(table);
+  if (type == "half-space") return read_half_space(table);
+  if (type == "mesh") return read_mesh_shape(table, context);
+  if (type == "level-set") return read_level_set(table, context);
+  table.refuse("type", "unknown value", allowed);
 }
 
 }  // namespace firn

@@ -169,13 +169,18 @@ std::string TomlTable::text(std::string_view key) const {
   return value;
 }
 
+std::string TomlTable::word(std::string_view key, const std::string& allowed) const {
+  const auto* string = required(key, allowed).as_string();
+  if (string == nullptr) refuse(key, "wrong type", allowed);
+  return string->get();
+}
+
 int TomlTable::choice(std::string_view key, std::initializer_list<std::string_view> choices) const {
   std::string allowed;
   for (const std::string_view choice : choices)
     allowed.append(allowed.empty() ? "\"" : ", \"").append(choice).append("\"");
-  const auto* string = required(key, allowed).as_string();
-  if (string == nullptr) refuse(key, "wrong type", allowed);
-  const auto found = std::find(choices.begin(), choices.end(), std::string_view(string->get()));
+  const std::string text = word(key, allowed);
+  const auto found = std::find(choices.begin(), choices.end(), std::string_view(text));
   if (found == choices.end()) refuse(key, "unknown value", allowed);
   return static_cast<int>(found - choices.begin());
 }

@@ -65,6 +65,8 @@ class TomlTable {
   Vec3 vec3(std::string_view key, const Range& range) const;
   /// Not empty, at most 4096 bytes, no control characters.
   std::string text(std::string_view key) const;
+  /// A string that the caller compares with the words in `allowed`.
+  std::string word(std::string_view key, const std::string& allowed) const;
   /// Place of the string among `choices`.
   int choice(std::string_view key, std::initializer_list<std::string_view> choices) const;
   TomlTable table(std::string_view key) const;

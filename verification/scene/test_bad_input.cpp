@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "firn/error.hpp"
+#include "io/mesh/mesh_shape.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory_writer.hpp"
 #include "verification/scene/fresh_folder.hpp"
@@ -151,7 +152,7 @@ std::string without(std::string text, const std::string& part) {
 void write_trajectory(const std::string& name, int frames) {
   const Scene scene = find_scene("two_particles");
   const State state = initial_state(scene);
-  TrajectoryWriter writer(name, {"nobody", Precision::float64, 1, "0", "none", scene.toml},
+  TrajectoryWriter writer(name, {"nobody", Precision::float64, 1, "0", "none", ""},
                           static_cast<std::int64_t>(state.particles.size()), 0, frames, 0);
   for (int frame = 0; frame < frames; ++frame) writer.write_frame(state, {});
   writer.finish();
@@ -192,6 +193,47 @@ std::map<std::string, std::function<void()>> particle_cases(const std::filesyste
   };
 }
 
+/// Colliders and bodies from mesh and level-set files.
+std::map<std::string, std::function<void()>> mesh_cases(const std::filesystem::path& folder) {
+  // A tetrahedron, of which `faces` triangles are there.
+  const auto tetrahedron = [](int faces) {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    const char* const face[] = {"f 1 3 2\n", "f 1 2 4\n", "f 2 3 4\n", "f 3 1 4\n"};
+    for (int i = 0; i < faces; ++i) text += face[i];
+    return text;
+  };
+  write("mesh.ply", tetrahedron(4));
+  write("closed.obj", tetrahedron(4));
+  write("open.obj", tetrahedron(3));
+  write("wrong.obj", tetrahedron(3) + "f 3 1 5\n");
+  write("text.vdb", "no OpenVDB\n");
+
+  const auto shape = [folder](const std::string& shape, const char* section = "[[collider]]") {
+    return [=] {
+      std::string bad = good_scene();
+      const std::size_t begin = bad.find("shape = {", bad.find(section));
+      bad.replace(begin, bad.find('\n', begin) - begin, "shape = { " + shape + " }");
+      parse_scene(bad, "scene.toml", folder, {});
+    };
+  };
+  if (has_openvdb()) {
+    EXPECT_NO_THROW(shape("type = \"mesh\", file = \"closed.obj\"")())
+        << "or the cases below prove nothing";
+  }
+  return {
+      {"a mesh, file not there", shape("type = \"mesh\", file = \"missing.obj\"")},
+      {"a mesh, a directory", shape("type = \"mesh\", file = \"folder.toml\"")},
+      {"a mesh, of unknown kind", shape("type = \"mesh\", file = \"mesh.ply\"")},
+      {"a mesh, not closed", shape("type = \"mesh\", file = \"open.obj\"")},
+      {"a mesh, a vertex that does not exist", shape("type = \"mesh\", file = \"wrong.obj\"")},
+      {"a mesh, scaled beyond any grid",
+       shape("type = \"mesh\", file = \"closed.obj\", scale = 1e9")},
+      {"a mesh, scale 0", shape("type = \"mesh\", file = \"closed.obj\", scale = 0")},
+      {"a level set, text", shape("type = \"level-set\", file = \"text.vdb\"")},
+      {"a level set, as a body", shape("type = \"level-set\", file = \"text.vdb\"", "[[body]]")},
+  };
+}
+
 TEST(BadInput, Files) {
   const auto folder = fresh_folder("firn_bad_input");
   std::filesystem::create_directories(folder / "folder.toml");
@@ -214,8 +256,10 @@ TEST(BadInput, Files) {
       {"a name like none", [] { find_scene("quicksilver"); }},
   };
   for (const auto& [name, read] : particle_cases(folder)) cases[name] = read;
+  for (const auto& [name, read] : mesh_cases(folder)) cases[name] = read;
   const int checked = check_table("## Files", [&](const std::vector<std::string>& row) {
     const std::string message = message_of(cases.at(row.at(0)));
+    if (row.at(0) == "a level set, text" && !has_openvdb()) return row.back();
     return without(message, folder.string() + "/");
   });
   EXPECT_EQ(checked, static_cast<int>(cases.size()));

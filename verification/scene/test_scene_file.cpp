@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "firn/error.hpp"
+#include "io/mesh/mesh_shape.hpp"
 #include "io/scene/builtin_scenes.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory_writer.hpp"
@@ -144,6 +145,32 @@ TEST(SceneFile, ParticlesComeFromTheLastFrame) {
       EXPECT_EQ(particles.material[p], 1) << "the body's, not the file's";
     }
   }
+}
+
+TEST(SceneFile, MeshesKeepTheirFileAndPlace) {
+  const auto folder = fresh_folder("mesh");
+  // A cube of edge 1, with its corner at the origin.
+  std::ofstream(folder / "cube.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
+         "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+  std::string text = full_scene();
+  const std::string from = "shape = { type = \"sphere\", center = [0.0, 0.1, 1.0], radius = 0.3 }";
+  ASSERT_NE(text.find(from), std::string::npos);
+  text.replace(text.find(from), from.size(),
+               "shape = { type = \"mesh\", file = \"cube.obj\", scale = 0.4, "
+               "translate = [-0.2, 0.0, 2.0] }");
+  if (!has_openvdb()) {
+    EXPECT_THROW(parse_scene(text, "test.toml", folder), InputError);
+    return;
+  }
+  const Scene scene = parse_scene(text, "test.toml", folder);
+  const Shape& cube = scene.bodies[0].shape;
+  EXPECT_LT(signed_distance(cube, Vec3(0, 0.2, 2.2)), 0);
+  EXPECT_LT((center(cube) - Vec3(0, 0.2, 2.2)).norm(), scene.grid.spacing / 2)
+      << "distances are sampled every h/2";
+  const Scene again = parse_scene(scene.toml, "again.toml", "/nowhere");
+  EXPECT_EQ(again.toml, scene.toml);
+  EXPECT_EQ(sample_bodies(again).x, sample_bodies(scene).x);
 }
 
 TEST(SceneFile, ScaleRefinesGridAndSteps) {
