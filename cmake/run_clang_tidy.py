@@ -44,6 +44,7 @@ def fingerprint(file: Path, source: Path) -> str:
 
 def main() -> int:
     a = arguments()
+    a.source, a.build = a.source.resolve(), a.build.resolve()
     commands = json.loads((a.build / "compile_commands.json").read_text())
     files = sorted({Path(c["directory"], c["file"]).resolve() for c in commands})
     files = [f for f in files

@@ -12,8 +12,10 @@ Vec3 position_scale(const Scene& scene, const Vec3& x) {
 }
 
 /// Every number is rounded to the subject's precision on the way in and may be
-/// held in another form there (F − I, x/h, Δt v/h), whose conversion back costs
-/// one more rounding: one eps of its size together.
+/// held in another form there (F − I, Δt v/h), whose conversion back costs one more
+/// rounding: one eps of its size together. Positions have a longer way, to
+/// (x − o)/h − block and back: three roundings in each direction and the wrap along a
+/// periodic axis, of which the model's 2 eps hold four at their worst.
 void BoundModel::load(const State& state) {
   const Particles& p = state.particles;
   const Grid& grid = state.grid;
@@ -24,7 +26,8 @@ void BoundModel::load(const State& state) {
     for (const auto& value : values) out.push_back(eps * value.norm() + floor);
   };
   bounds_.x.clear();
-  for (const Vec3& x : p.x) bounds_.x.push_back(eps * position_scale(scene_, x));
+  for (const Vec3& x : p.x)
+    bounds_.x.push_back(Roundoff::position * eps * position_scale(scene_, x));
   norms(p.v, bounds_.v, 0);
   norms(p.F_E, bounds_.F_E, 0);
   norms(p.F_P, bounds_.F_P, 0);

@@ -76,14 +76,13 @@ void BoundModel::particle_velocities(const State& after_integration) {
   }
 }
 
-/// x_p = x_p + Δt v_p.
+/// x_p = x_p + Δt v_p: a product and a sum, beside the conversions that load() counts.
 void BoundModel::positions(const State& before, const State& after, double dt) {
   const Particles& p = before.particles;
   for (std::size_t q = 0; q < p.size(); ++q) {
     const Vec3 moved = dt * p.v[q].cwiseAbs();
-    bounds_.x[q] +=
-        Vec3::Constant(dt * bounds_.v[q]) +
-        Roundoff::position * r_.eps * (position_scale(scene_, after.particles.x[q]) + moved);
+    bounds_.x[q] += Vec3::Constant(dt * bounds_.v[q]) +
+                    r_.eps * (position_scale(scene_, after.particles.x[q]) + 2 * moved);
   }
 }
 
