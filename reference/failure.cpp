@@ -17,6 +17,11 @@ std::string to_text(const NodeIndex& n) {
   return text;
 }
 
+std::string outside_domain(const Vec3& x) {
+  return "position (" + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) +
+         ") is outside the representable domain of 2^30 cells about the origin";
+}
+
 void fail_at_node(Stage stage, const Grid& grid, std::size_t i, const std::string& what) {
   const auto end = grid.m.begin() + static_cast<std::ptrdiff_t>(i);
   const auto place = std::count_if(grid.m.begin(), end, [](double m_i) { return m_i > 0; });

@@ -21,6 +21,9 @@ namespace firn::reference {
 std::string to_text(const NodeIndex& n);
 using firn::to_text;
 
+/// What to say of a particle at x outside the domain of the grid.
+std::string outside_domain(const Vec3& x);
+
 /// True where no component is NaN or infinite: x − x is 0 for finite x only.
 inline bool finite(double x) { return x - x == 0; }
 inline bool finite(const Vec3& v) { return finite(v[0]) && finite(v[1]) && finite(v[2]); }

@@ -11,12 +11,15 @@ namespace firn::reference {
 
 namespace {
 
-constexpr double largest_index = 1 << 30;
-
 /// i modulo n, in [0, n); i itself along an open axis (n = 0).
 std::int32_t wrap_index(std::int32_t i, int n) { return n == 0 ? i : ((i % n) + n) % n; }
 
 }  // namespace
+
+bool inside_domain(const GridSettings& grid, const Vec3& x) {
+  const Vec3 cells = (x - grid.origin) / grid.spacing;
+  return cells.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= 0x1p30;
+}
 
 std::size_t SparseNumbers::Hash::operator()(const NodeIndex& block) const {
   // Multiplication by large odd numbers spreads neighbours over the table.
@@ -66,17 +69,14 @@ double Stencils::bytes() const {
 /// floor((x_p − origin)/h) − 1. Floor, not truncation: coordinates may be negative.
 void Stencils::weigh(const Scene& scene, const Particles& particles, Stage stage, std::size_t p) {
   const double h = scene.grid.spacing;
+  const Vec3& x_p = particles.x[p];
+  if (!inside_domain(scene.grid, x_p)) fail_at_particle(stage, p, outside_domain(x_p));
   Weights& w = weights_[p];
   std::array<std::int32_t, 3> first;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
-    const double X = (particles.x[p][a] - scene.grid.origin[a]) / h;
+    const double X = (x_p[a] - scene.grid.origin[a]) / h;
     const double cell = std::floor(X);
-    if (!finite(X)) fail_at_particle(stage, p, "position is not finite");
-    if (std::abs(cell) > largest_index)
-      fail_at_particle(stage, p,
-                       "outside the representable domain: cell index " + to_text(cell) +
-                           ", allowed: -2^30 .. 2^30");
     first[axis] = wrap_index(static_cast<std::int32_t>(cell) - 1, period_[axis]);
     kernel_row(X - cell, w.N[axis], w.dN[axis]);
     for (double& dN : w.dN[axis]) dN /= h;

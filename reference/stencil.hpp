@@ -12,6 +12,10 @@
 
 namespace firn::reference {
 
+/// Whether the cell of x has an index that can be represented: at most 2^30 cells
+/// from the grid's origin along each axis. False for NaN.
+bool inside_domain(const GridSettings& grid, const Vec3& x);
+
 /// A number for every point (i,j,k) of an unbounded lattice that was asked for;
 /// −1 for points seen for the first time. The points are kept in hashed blocks
 /// of 4×4×4, because a scene may be spread out and yet locally dense.

@@ -10,9 +10,9 @@ namespace firn::reference {
 /// with the velocity after step 9, wrapped along periodic axes.
 void positions(const Scene& scene, double dt, Particles& particles) {
   for (std::size_t p = 0; p < particles.size(); ++p) {
-    const Vec3 x_p = particles.x[p] + dt * particles.v[p];
-    if (!finite(x_p)) fail_at_particle(Stage::positions, p, "position is not finite");
-    particles.x[p] = scene.wrap(x_p);
+    const Vec3 x_p = scene.wrap(particles.x[p] + dt * particles.v[p]);
+    if (!inside_domain(scene.grid, x_p)) fail_at_particle(Stage::positions, p, outside_domain(x_p));
+    particles.x[p] = x_p;
   }
 }
 
