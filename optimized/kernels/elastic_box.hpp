@@ -9,9 +9,11 @@ namespace firn::kernels {
 /// The elastic region [1−θ_c, 1+θ_s] of the singular values of F_E, in the type of the kernels.
 template <class T>
 struct ElasticBox {
-  T lo_minus_1;  ///< −θ_c
-  T hi_minus_1;  ///< θ_s
-  T below;       ///< 1 − lo², less the margin: FᵀF − I + below·I ≻ 0 certifies σ > lo
+  T lo_minus_1;        ///< −θ_c
+  T hi_minus_1;        ///< θ_s
+  T minus_inverse_lo;  ///< −1/lo
+  T minus_inverse_hi;  ///< −1/hi
+  T below;  ///< 1 − lo², less the margin: FᵀF − I + below·I ≻ 0 certifies σ > lo
   T above;  ///< hi² − 1, less the margin: above·I − (FᵀF − I) ≻ 0 certifies σ < hi
   bool bounded;  ///< false: purely elastic, nothing is ever clamped
 
@@ -25,6 +27,8 @@ struct ElasticBox {
     box.bounded = std::isfinite(theta_c) || std::isfinite(theta_s);
     box.lo_minus_1 = static_cast<T>(-theta_c);
     box.hi_minus_1 = static_cast<T>(theta_s);
+    box.minus_inverse_lo = static_cast<T>(-1 / (1 - theta_c));
+    box.minus_inverse_hi = static_cast<T>(-1 / (1 + theta_s));
     box.below = static_cast<T>(theta_c * (2 - theta_c) - margin);
     box.above = static_cast<T>(theta_s * (2 + theta_s) - margin);
     if (!box.bounded) box.below = box.above = std::numeric_limits<T>::max();

@@ -191,6 +191,25 @@ HWY_INLINE Mat3<V> plus_identity(D d, const Mat3<V>& A) {
   return F;
 }
 
+/// The deviator S − tr(S)/3 I and the mean tr(S)/3, from differences of the diagonal: the
+/// deviator's trace vanishes to roundoff of its own size, also where S is nearly isotropic.
+template <class D, class V>
+HWY_INLINE Sym3<V> deviator(D d, const Sym3<V>& S, V& mean) {
+  const V third = constant(d, 1.0 / 3);
+  mean = ((S.xx + S.yy) + S.zz) * third;
+  const V xy = S.xx - S.yy, xz = S.xx - S.zz;
+  const V x = (xy + xz) * third;
+  return {x, S.xy, S.xz, x - xy, S.yz, x - xz};
+}
+
+/// tr(A²)/6 of a deviator A: its eigenvalues are 2√p cos(θ + 2πk/3).
+template <class D, class V>
+HWY_INLINE V deviator_size(D d, const Sym3<V>& A) {
+  const V off = MulAdd(A.yz, A.yz, MulAdd(A.xz, A.xz, A.xy * A.xy));
+  const V diagonal = MulAdd(A.zz, A.zz, MulAdd(A.yy, A.yy, A.xx * A.xx));
+  return MulAdd(constant(d, 1.0 / 6), diagonal, constant(d, 1.0 / 3) * off);
+}
+
 /// mask ? yes : no, entry by entry.
 template <class M, class V>
 HWY_INLINE Mat3<V> select(M mask, const Mat3<V>& yes, const Mat3<V>& no) {
@@ -218,6 +237,29 @@ HWY_INLINE V polynomial(D d, V x, const double (&c)[n]) {
   V p = constant(d, c[n - 1]);
   for (int k = n - 2; k >= 0; --k) p = MulAdd(p, x, constant(d, c[k]));
   return p;
+}
+
+/// Coefficients first … first+count−1 as a polynomial of their own; power[k] = x^(2^k).
+template <int first, int count, class D, class V, int n>
+HWY_INLINE V balanced_part(D d, const V* power, const double (&c)[n]) {
+  if constexpr (count == 1) {
+    return constant(d, c[first]);
+  } else {
+    constexpr int level = count > 16 ? 4 : count > 8 ? 3 : count > 4 ? 2 : count > 2 ? 1 : 0;
+    const V low = balanced_part<first, 1 << level>(d, power, c);
+    const V high = balanced_part<first + (1 << level), count - (1 << level)>(d, power, c);
+    return MulAdd(high, power[level], low);
+  }
+}
+
+/// The same polynomial as a balanced tree (Estrin): a few products more, but the chain of dependent
+/// operations grows with log n instead of n. At most 32 coefficients.
+template <class D, class V, int n>
+HWY_INLINE V balanced_polynomial(D d, V x, const double (&c)[n]) {
+  V power[5];
+  power[0] = x;
+  for (int k = 1; k < 5; ++k) power[k] = power[k - 1] * power[k - 1];
+  return balanced_part<0, n>(d, power, c);
 }
 
 }  // namespace HWY_NAMESPACE

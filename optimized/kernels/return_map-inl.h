@@ -38,15 +38,14 @@ struct Clamped {
 
 template <class D, class V>
 HWY_INLINE Clamped<V> clamp_stretch(D d, V sigma_minus_1, const ElasticBox<hn::TFromD<D>>& box) {
-  const V one = constant(d, 1);
-  const V c =
-      hn::Min(hn::Max(sigma_minus_1, hn::Set(d, box.lo_minus_1)), hn::Set(d, box.hi_minus_1));
+  const V lo = hn::Set(d, box.lo_minus_1), hi = hn::Set(d, box.hi_minus_1);
   Clamped<V> r;
-  r.difference = c - sigma_minus_1;
-  const V sigma = one + sigma_minus_1, clamped = one + c;
-  const V w = r.difference / (sigma * clamped);
-  r.gamma = w * clamped;
-  r.eta = hn::Neg(w * sigma);
+  r.difference = hn::Min(hn::Max(sigma_minus_1, lo), hi) - sigma_minus_1;
+  r.gamma = r.difference / (constant(d, 1) + sigma_minus_1);
+  // Where something is clamped, c is one of two known numbers: no second division.
+  const V minus_inverse_c = hn::IfThenElse(sigma_minus_1 > hi, hn::Set(d, box.minus_inverse_hi),
+                                           hn::Set(d, box.minus_inverse_lo));
+  r.eta = r.difference * minus_inverse_c;
   return r;
 }
 
@@ -61,6 +60,10 @@ HWY_INLINE V sqrt_one_plus_minus_one(D d, V e) {
   return MulAdd(constant(d, 0.5) * residual, one - t, t);
 }
 
+/// tr(A²)/6 of strains that cannot be told from isotropic ones.
+template <class T>
+inline constexpr double isotropic = sizeof(T) == 4 ? 1e-20 : 1e-40;
+
 /// Γ and H with F_E = F̂(I + Γ), F_P = (I + H) F_P^old: functions of C = F̂ᵀF̂ = I + E, with the
 /// eigenvalues c/σ − 1 and σ/c − 1, from C's isolated root, that root's projector and the closed
 /// 2x2 remainder: no eigenvectors, no full decomposition.
@@ -70,43 +73,37 @@ template <class D, class V>
 HWY_INLINE void clamp_functions(D d, const Sym3<V>& E, V J_minus_1,
                                 const ElasticBox<hn::TFromD<D>>& box, Sym3<V>& Gamma, Sym3<V>& H,
                                 hn::Mask<D>& changed, hn::Mask<D>& safe) {
-  const V one = constant(d, 1), half = constant(d, 0.5);
-  const V mean = ((E.xx + E.yy) + E.zz) * constant(d, 1.0 / 3);
-  // The deviator from differences of the diagonal: its trace vanishes to roundoff of its own size,
-  // which E − mean I does not give where E is nearly isotropic.
-  const V xy = E.xx - E.yy, xz = E.xx - E.zz;
-  const V x = (xy + xz) * constant(d, 1.0 / 3), y = x - xy, z = x - xz;
-  const V off = MulAdd(E.yz, E.yz, MulAdd(E.xz, E.xz, E.xy * E.xy));
-  const V diagonal = MulAdd(z, z, MulAdd(y, y, x * x));
-  const V p = hn::Max(MulAdd(constant(d, 1.0 / 6), diagonal, constant(d, 1.0 / 3) * off),
-                      svd_detail::tiny(d));
+  const V one = constant(d, 1), half = constant(d, 0.5), three_halves = constant(d, 1.5);
+  V mean;
+  const Sym3<V> A = deviator(d, E, mean);
+  // A deviator far below roundoff of 1 counts as 0; the floor keeps the cubes below normal.
+  const V p = hn::Max(deviator_size(d, A), constant(d, isotropic<hn::TFromD<D>>));
   const V size = hn::Sqrt(p);
   const V inverse = one / size;
-  const Sym3<V> S = {x * inverse, E.xy * inverse, E.xz * inverse,
-                     y * inverse, E.yz * inverse, z * inverse};
-  const V det_S = det(S);
-  const V c = svd_detail::cos_third(d, hn::Min(hn::Abs(det_S) * half, one));
-  const V root = hn::CopySign(c + c, det_S);
+  // The isolated root of A: 2√p cos(θ), with the sign of the determinant 2 p^{3/2} h.
+  const V det_A = det(A);
+  const V h = hn::Abs(det_A) * ((inverse * inverse) * (inverse * half));
+  const V c = svd_detail::cos_third(d, hn::Min(h, one));
+  const V half_root = hn::CopySign(size * c, det_A), root = half_root + half_root;
 
-  // The projector adj(S − root)/trace; the trace is (root−λ2)(root−λ3) ≥ 3.
-  const Sym3<V> adj = adjugate(Sym3<V>{S.xx - root, S.xy, S.xz, S.yy - root, S.yz, S.zz - root});
-  const V w = one / ((adj.xx + adj.yy) + adj.zz);
+  // Its projector adj(A − root)/trace, the trace being (root−λ2)(root−λ3) = 3p(4c² − 1) ≥ 6p: known
+  // before the adjugate is.
+  const V w = one / ((p * constant(d, 3)) * MulSub(constant(d, 4), c * c, one));
+  const Sym3<V> adj = adjugate(Sym3<V>{A.xx - root, A.xy, A.xz, A.yy - root, A.yz, A.zz - root});
   const Sym3<V> P = {adj.xx * w, adj.xy * w, adj.xz * w, adj.yy * w, adj.yz * w, adj.zz * w};
   // The trace-free remainder N in the plane, eigenvalues ±delta.
-  const V half_root = root * half, k = root * constant(d, 1.5);
-  const Sym3<V> N = {NegMulAdd(k, P.xx, S.xx + half_root),
-                     NegMulAdd(k, P.xy, S.xy),
-                     NegMulAdd(k, P.xz, S.xz),
-                     NegMulAdd(k, P.yy, S.yy + half_root),
-                     NegMulAdd(k, P.yz, S.yz),
-                     NegMulAdd(k, P.zz, S.zz + half_root)};
-  const V N_off = MulAdd(N.yz, N.yz, MulAdd(N.xz, N.xz, N.xy * N.xy));
-  const V N_diagonal = MulAdd(N.zz, N.zz, MulAdd(N.yy, N.yy, N.xx * N.xx));
-  const V delta = hn::Sqrt(hn::Max(MulAdd(half, N_diagonal, N_off), svd_detail::tiny(d)));
+  const V k = root * three_halves;
+  const Sym3<V> N = {NegMulAdd(k, P.xx, A.xx + half_root),
+                     NegMulAdd(k, P.xy, A.xy),
+                     NegMulAdd(k, P.xz, A.xz),
+                     NegMulAdd(k, P.yy, A.yy + half_root),
+                     NegMulAdd(k, P.yz, A.yz),
+                     NegMulAdd(k, P.zz, A.zz + half_root)};
+  const V N_size = constant(d, 3) * deviator_size(d, N);  // deviator_size is tr(N²)/6
+  const V delta = hn::Sqrt(hn::Max(N_size, constant(d, isotropic<hn::TFromD<D>>)));
 
-  const V e1 = MulAdd(size, root, mean);
-  const V e2 = MulAdd(size, delta - half_root, mean);
-  const V e3 = NegMulAdd(size, delta + half_root, mean);
+  const V e1 = mean + root, plane = mean - half_root;
+  const V e2 = plane + delta, e3 = plane - delta;
   const V largest = hn::Max(hn::Max(e1, e2), e3), smallest = hn::Min(hn::Min(e1, e2), e3);
   safe = hn::And(hn::And(largest<constant(d, 3), smallest> constant(d, -0.75)),
                  J_minus_1 > constant(d, -1));
