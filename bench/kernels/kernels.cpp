@@ -100,7 +100,9 @@ void time_batch_svd(const std::string& family, std::uint64_t seed, results::Case
   for (std::size_t i = 0; i < count; ++i) {
     Vec3 s;
     for (std::size_t c = 0; c < 3; ++c)
-      s[static_cast<int>(c)] = static_cast<double>(sigma[(i / 16 * 3 + c) * 16 + i % 16]);
+      s[static_cast<int>(c)] =
+          static_cast<double>(sigma[(i / kernels::packet_size * 3 + c) * kernels::packet_size +
+                                    i % kernels::packet_size]);
     quality.take(unpack(A, i), unpack(U, i), s, unpack(V, i),
                  std::is_same_v<T, float> ? 0x1p-23 : 0x1p-52);
   }

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <random>
 
+#include "optimized/kernels/batch.hpp"
+
 namespace firn::bench {
 
 namespace {
 
-constexpr std::size_t packet = 16;
+constexpr std::size_t packet = kernels::packet_size;
 
 std::size_t place(std::size_t index, std::size_t component) {
   return (index / packet * 9 + component) * packet + index % packet;

@@ -2,8 +2,8 @@
 /// The per-particle kernels over arrays: for tests, benchmarks and anybody who wants
 /// only the decomposition. The solver calls the -inl.h kernels directly.
 ///
-/// Layout: packets of 16 particles. Component k of particle i of an array with `rows`
-/// components stands at [((i / 16)·rows + k)·16 + i mod 16]. Matrices are row-major with 9 rows,
+/// Layout: packets of 32 particles. Component k of particle i of an array with `rows`
+/// components stands at [((i / 32)·rows + k)·32 + i mod 32]. Matrices are row-major with 9 rows,
 /// symmetric ones have 6 (xx, xy, xz, yy, yz, zz). A half-empty packet is the caller's to fill.
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace firn::kernels {
 
-inline constexpr std::size_t packet_size = 16;  ///< a multiple of every lane count up to 512 bits
+inline constexpr std::size_t packet_size = 32;  ///< two vectors of 16 floats
 
 /// The kernels of one instruction set.
 template <class T>
@@ -36,9 +36,17 @@ struct BatchKernels {
   /// τ [Pa] from F_E − I; μ, λ [Pa] one per particle.
   void (*kirchhoff_stress)(const T* F_E_minus_I, const T* mu, const T* lambda, T* tau,
                            std::size_t packets);
-  /// Step 7 in place; changed = 1 or 0. The second one by full decompositions only.
+  /// 15 numbers per particle (stretch 6, K⁻¹ 6, shear, volume, transposed) from F_E − I, 2μ V_p0
+  /// and λ V_p0; and V_p0 A F_Eᵀ from them and velocity gradients L.
+  void (*hessian_factors)(const T* F_E_minus_I, const T* two_mu, const T* lambda, T* factors,
+                          std::size_t packets);
+  void (*hessian_action)(const T* factors, const T* L, T* result, std::size_t packets);
+  /// Step 7 in place; changed = 1 or 0.
   void (*return_map)(const ElasticBox<T>& box, T* F_E_minus_I, T* F_P_minus_I, T* changed,
                      std::size_t packets);
+  /// The same with one lane, and by full decompositions only.
+  void (*return_map_scalar)(const ElasticBox<T>& box, T* F_E_minus_I, T* F_P_minus_I, T* changed,
+                            std::size_t packets);
   void (*return_map_svd)(const ElasticBox<T>& box, T* F_E_minus_I, T* F_P_minus_I, T* changed,
                          std::size_t packets);
 };

@@ -19,12 +19,12 @@ namespace HWY_NAMESPACE {
 /// a matrix within a few eps·S_ii of S. NaN answers no.
 template <class D, class V>
 HWY_INLINE hn::Mask<D> positive_definite(D d, const Sym3<V>& S) {
-  const V zero = hn::Zero(d);
+  const V zero = Zero(d);
   const V yy = MulSub(S.xx, S.yy, S.xy * S.xy);
   const V yz = MulSub(S.xx, S.yz, S.xy * S.xz);
   const V zz = MulSub(S.xx, S.zz, S.xz * S.xz);
   const V last = MulSub(yy, zz, yz * yz);
-  return hn::And(hn::And(S.xx > zero, yy > zero), last > zero);
+  return And(And(S.xx > zero, yy > zero), last > zero);
 }
 
 /// Lanes whose singular values certainly lie inside the box, from the (left or right) strain
@@ -34,12 +34,12 @@ HWY_INLINE hn::Mask<D> positive_definite(D d, const Sym3<V>& S) {
 template <class D, class V>
 HWY_INLINE hn::Mask<D> inside_elastic_box(D d, const Sym3<V>& E, V J_minus_1,
                                           const ElasticBox<hn::TFromD<D>>& box) {
-  const V below = hn::Set(d, box.below), above = hn::Set(d, box.above);
+  const V below = Set(d, box.below), above = Set(d, box.above);
   const Sym3<V> low = {E.xx + below, E.xy, E.xz, E.yy + below, E.yz, E.zz + below};
   // The off-diagonals of above·I − E are −E_ij: their signs cancel in every pivot.
-  const Sym3<V> high = {above - E.xx, E.xy, E.xz, above - E.yy, hn::Neg(E.yz), above - E.zz};
-  return hn::And(hn::And(positive_definite(d, low), positive_definite(d, high)),
-                 J_minus_1 > constant(d, -1));
+  const Sym3<V> high = {above - E.xx, E.xy, E.xz, above - E.yy, Neg(E.yz), above - E.zz};
+  return And(And(positive_definite(d, low), positive_definite(d, high)),
+             J_minus_1 > constant(d, -1));
 }
 
 /// The same from D = F − I.

@@ -26,8 +26,8 @@ HWY_INLINE V exp(D d, V x) {
   // Beyond these the answer is infinity or 0; they keep n inside the exponents of two factors.
   // (Comparisons, not Min and Max: those differ between processors where x is NaN.)
   const V top = constant(d, single ? 90 : 711), bottom = constant(d, single ? -105 : -747);
-  x = hn::IfThenElse(x > top, top, x);
-  x = hn::IfThenElse(x < bottom, bottom, x);
+  x = IfThenElse(x > top, top, x);
+  x = IfThenElse(x < bottom, bottom, x);
 
   // Adding 1.5·2^(mantissa bits) rounds to an integer and leaves it in the low bits.
   const V magic = constant(d, single ? 0x1.8p23 : 0x1.8p52);
@@ -52,10 +52,10 @@ HWY_INLINE V exp(D d, V x) {
 
   constexpr int mantissa = single ? 23 : 52;
   constexpr TU twice_bias = single ? 254 : 2046;
-  const auto k = (hn::BitCast(du, t) - hn::BitCast(du, magic)) + hn::Set(du, twice_bias);
-  const auto half = hn::ShiftRight<1>(k);
-  const V scale1 = hn::BitCast(d, hn::ShiftLeft<mantissa>(half));
-  const V scale2 = hn::BitCast(d, hn::ShiftLeft<mantissa>(k - half));
+  const auto k = (BitCast(du, t) - BitCast(du, magic)) + Set(du, twice_bias);
+  const auto half = ShiftRight<1>(k);
+  const V scale1 = BitCast(d, ShiftLeft<mantissa>(half));
+  const V scale2 = BitCast(d, ShiftLeft<mantissa>(k - half));
   return (p * scale1) * scale2;
 }
 

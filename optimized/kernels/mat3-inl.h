@@ -18,6 +18,8 @@
 #include <hwy/highway.h>
 #include <limits>
 
+#include "optimized/kernels/pair-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace firn::kernels {
 namespace HWY_NAMESPACE {
@@ -52,12 +54,12 @@ struct Sym3 {
 template <class D>
 HWY_INLINE hn::Vec<D> epsilon(D d, double multiple) {
   using T = hn::TFromD<D>;
-  return hn::Set(d, static_cast<T>(multiple * std::numeric_limits<T>::epsilon()));
+  return Set(d, static_cast<T>(multiple * std::numeric_limits<T>::epsilon()));
 }
 
 template <class D>
 HWY_INLINE hn::Vec<D> constant(D d, double value) {
-  return hn::Set(d, static_cast<hn::TFromD<D>>(value));
+  return Set(d, static_cast<hn::TFromD<D>>(value));
 }
 
 template <class V>
@@ -91,13 +93,14 @@ HWY_INLINE Mat3<V> mul(const Mat3<V>& A, const Mat3<V>& B) {
   return C;
 }
 
-/// A + B C, the product added last
+/// A + B C
 template <class V>
 HWY_INLINE Mat3<V> mul_add(const Mat3<V>& A, const Mat3<V>& B, const Mat3<V>& C) {
   Mat3<V> R;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      R(i, j) = A(i, j) + MulAdd(B(i, 2), C(2, j), MulAdd(B(i, 1), C(1, j), B(i, 0) * C(0, j)));
+      R(i, j) =
+          MulAdd(B(i, 2), C(2, j), MulAdd(B(i, 1), C(1, j), MulAdd(B(i, 0), C(0, j), A(i, j))));
   return R;
 }
 
@@ -214,21 +217,21 @@ HWY_INLINE V deviator_size(D d, const Sym3<V>& A) {
 template <class M, class V>
 HWY_INLINE Mat3<V> select(M mask, const Mat3<V>& yes, const Mat3<V>& no) {
   Mat3<V> R;
-  for (int k = 0; k < 9; ++k) R.m[k] = hn::IfThenElse(mask, yes.m[k], no.m[k]);
+  for (int k = 0; k < 9; ++k) R.m[k] = IfThenElse(mask, yes.m[k], no.m[k]);
   return R;
 }
 
 template <class M, class V>
 HWY_INLINE Vec3<V> select(M mask, const Vec3<V>& yes, const Vec3<V>& no) {
-  return {{hn::IfThenElse(mask, yes[0], no[0]), hn::IfThenElse(mask, yes[1], no[1]),
-           hn::IfThenElse(mask, yes[2], no[2])}};
+  return {{IfThenElse(mask, yes[0], no[0]), IfThenElse(mask, yes[1], no[1]),
+           IfThenElse(mask, yes[2], no[2])}};
 }
 
 template <class M, class V>
 HWY_INLINE Sym3<V> select(M mask, const Sym3<V>& yes, const Sym3<V>& no) {
-  return {hn::IfThenElse(mask, yes.xx, no.xx), hn::IfThenElse(mask, yes.xy, no.xy),
-          hn::IfThenElse(mask, yes.xz, no.xz), hn::IfThenElse(mask, yes.yy, no.yy),
-          hn::IfThenElse(mask, yes.yz, no.yz), hn::IfThenElse(mask, yes.zz, no.zz)};
+  return {IfThenElse(mask, yes.xx, no.xx), IfThenElse(mask, yes.xy, no.xy),
+          IfThenElse(mask, yes.xz, no.xz), IfThenElse(mask, yes.yy, no.yy),
+          IfThenElse(mask, yes.yz, no.yz), IfThenElse(mask, yes.zz, no.zz)};
 }
 
 /// c0 + c1 x + … + cn xⁿ by Horner's rule; the coefficients in order c0 … cn.

@@ -38,13 +38,13 @@ struct Clamped {
 
 template <class D, class V>
 HWY_INLINE Clamped<V> clamp_stretch(D d, V sigma_minus_1, const ElasticBox<hn::TFromD<D>>& box) {
-  const V lo = hn::Set(d, box.lo_minus_1), hi = hn::Set(d, box.hi_minus_1);
+  const V lo = Set(d, box.lo_minus_1), hi = Set(d, box.hi_minus_1);
   Clamped<V> r;
-  r.difference = hn::Min(hn::Max(sigma_minus_1, lo), hi) - sigma_minus_1;
+  r.difference = Min(Max(sigma_minus_1, lo), hi) - sigma_minus_1;
   r.gamma = r.difference / (constant(d, 1) + sigma_minus_1);
   // Where something is clamped, c is one of two known numbers: no second division.
-  const V minus_inverse_c = hn::IfThenElse(sigma_minus_1 > hi, hn::Set(d, box.minus_inverse_hi),
-                                           hn::Set(d, box.minus_inverse_lo));
+  const V minus_inverse_c =
+      IfThenElse(sigma_minus_1 > hi, Set(d, box.minus_inverse_hi), Set(d, box.minus_inverse_lo));
   r.eta = r.difference * minus_inverse_c;
   return r;
 }
@@ -54,7 +54,7 @@ HWY_INLINE Clamped<V> clamp_stretch(D d, V sigma_minus_1, const ElasticBox<hn::T
 template <class D, class V>
 HWY_INLINE V sqrt_one_plus_minus_one(D d, V e) {
   const V one = constant(d, 1);
-  const V t = hn::Sqrt(one + e) - one;
+  const V t = Sqrt(one + e) - one;
   const V residual = NegMulAdd(t, t + constant(d, 2), e);
   // Newton's 1/(2(1+t)) to first order: the correction itself is of the size of one rounding.
   return MulAdd(constant(d, 0.5) * residual, one - t, t);
@@ -64,66 +64,101 @@ HWY_INLINE V sqrt_one_plus_minus_one(D d, V e) {
 template <class T>
 inline constexpr double isotropic = sizeof(T) == 4 ? 1e-20 : 1e-40;
 
-/// Γ and H with F_E = F̂(I + Γ), F_P = (I + H) F_P^old: functions of C = F̂ᵀF̂ = I + E, with the
-/// eigenvalues c/σ − 1 and σ/c − 1, from C's isolated root, that root's projector and the closed
-/// 2x2 remainder: no eigenvectors, no full decomposition.
-/// `changed`: lanes in which some σ is clamped. `safe`: lanes in the range [½, 2] of σ with J > 0,
-/// where squaring F̂ costs a few eps at most; the others hold no valid numbers.
+/// F_E = F̂(I + Γ), F_P = (I + H) F_P^old, where Γ and H are functions of C = F̂ᵀF̂ = I + E with the
+/// eigenvalues c/σ − 1 and σ/c − 1. They come from C's isolated root, the adjugate there and the
+/// closed 2x2 remainder: no eigenvectors, no full decomposition. Three stages, so that several
+/// vectors can take each of them side by side: one alone mostly waits for its own roots and
+/// divisions.
+template <class V>
+struct ClampState {
+  Sym3<V> A;  ///< deviator of E, then the remainder N: A in the plane, trace-free
+  Sym3<V>
+      adjugate_A;  ///< adj(A − root I), the projector on the isolated eigenvector times its trace
+  V mean, half_root;  ///< tr E/3; half the isolated eigenvalue of A
+  V inverse_trace;    ///< 1/tr adj(A − root I)
+  V delta;            ///< N has the eigenvalues ±delta
+};
+
+/// I-coefficient, adjugate-coefficient and N-coefficient of a function of C.
+template <class V>
+struct ClampFunction {
+  V identity, projector, plane;
+};
+
+/// Stage 1: the isolated root. Returns the lanes in the range of strains where squaring F̂ costs a
+/// few eps at most, and in which J > 0; the others will not hold valid numbers.
 template <class D, class V>
-HWY_INLINE void clamp_functions(D d, const Sym3<V>& E, V J_minus_1,
-                                const ElasticBox<hn::TFromD<D>>& box, Sym3<V>& Gamma, Sym3<V>& H,
-                                hn::Mask<D>& changed, hn::Mask<D>& safe) {
-  const V one = constant(d, 1), half = constant(d, 0.5), three_halves = constant(d, 1.5);
-  V mean;
-  const Sym3<V> A = deviator(d, E, mean);
-  // A deviator far below roundoff of 1 counts as 0; the floor keeps the cubes below normal.
-  const V p = hn::Max(deviator_size(d, A), constant(d, isotropic<hn::TFromD<D>>));
-  const V size = hn::Sqrt(p);
+HWY_INLINE hn::Mask<D> clamp_root(D d, const Sym3<V>& E, V J_minus_1, ClampState<V>& k) {
+  const V one = constant(d, 1), half = constant(d, 0.5);
+  k.A = deviator(d, E, k.mean);
+  // A deviator far below roundoff of 1 counts as 0; the floor keeps its cube above denormals.
+  const V p = Max(deviator_size(d, k.A), constant(d, isotropic<hn::TFromD<D>>));
+  const V size = Sqrt(p);
   const V inverse = one / size;
-  // The isolated root of A: 2√p cos(θ), with the sign of the determinant 2 p^{3/2} h.
-  const V det_A = det(A);
-  const V h = hn::Abs(det_A) * ((inverse * inverse) * (inverse * half));
-  const V c = svd_detail::cos_third(d, hn::Min(h, one));
-  const V half_root = hn::CopySign(size * c, det_A), root = half_root + half_root;
+  const V det_A = det(k.A);
+  const V h = Abs(det_A) * ((inverse * inverse) * (inverse * half));
+  const V c = svd_detail::cos_third(d, Min(h, one));
+  k.half_root = CopySign(size * c, det_A);  // the root of A is 2√p cos θ
+  // (root−λ2)(root−λ3) = 3p(4c² − 1) ≥ 6p: known before the adjugate is.
+  k.inverse_trace = one / ((p * constant(d, 3)) * MulSub(constant(d, 4), c * c, one));
+  const V largest = MulAdd(constant(d, 2), size, Abs(k.mean));  // bounds every eigenvalue of E
+  return And(Lt(largest, constant(d, 0.6)), Gt(J_minus_1, constant(d, -1)));
+}
 
-  // Its projector adj(A − root)/trace, the trace being (root−λ2)(root−λ3) = 3p(4c² − 1) ≥ 6p: known
-  // before the adjugate is.
-  const V w = one / ((p * constant(d, 3)) * MulSub(constant(d, 4), c * c, one));
+/// Stage 2: the adjugate and the plane orthogonal to the isolated eigenvector.
+template <class D, class V>
+HWY_INLINE void clamp_plane(D d, ClampState<V>& k) {
+  const V root = k.half_root + k.half_root;
+  const Sym3<V> A = k.A;
   const Sym3<V> adj = adjugate(Sym3<V>{A.xx - root, A.xy, A.xz, A.yy - root, A.yz, A.zz - root});
-  const Sym3<V> P = {adj.xx * w, adj.xy * w, adj.xz * w, adj.yy * w, adj.yz * w, adj.zz * w};
-  // The trace-free remainder N in the plane, eigenvalues ±delta.
-  const V k = root * three_halves;
-  const Sym3<V> N = {NegMulAdd(k, P.xx, A.xx + half_root),
-                     NegMulAdd(k, P.xy, A.xy),
-                     NegMulAdd(k, P.xz, A.xz),
-                     NegMulAdd(k, P.yy, A.yy + half_root),
-                     NegMulAdd(k, P.yz, A.yz),
-                     NegMulAdd(k, P.zz, A.zz + half_root)};
-  const V N_size = constant(d, 3) * deviator_size(d, N);  // deviator_size is tr(N²)/6
-  const V delta = hn::Sqrt(hn::Max(N_size, constant(d, isotropic<hn::TFromD<D>>)));
+  // N = A + root/2 I − 3 root/2 P
+  const V w = (root + k.half_root) * k.inverse_trace;
+  const Sym3<V> N = {NegMulAdd(w, adj.xx, A.xx + k.half_root),
+                     NegMulAdd(w, adj.xy, A.xy),
+                     NegMulAdd(w, adj.xz, A.xz),
+                     NegMulAdd(w, adj.yy, A.yy + k.half_root),
+                     NegMulAdd(w, adj.yz, A.yz),
+                     NegMulAdd(w, adj.zz, A.zz + k.half_root)};
+  const V off = MulAdd(N.yz, N.yz, MulAdd(N.xz, N.xz, N.xy * N.xy));
+  const V diagonal = MulAdd(N.zz, N.zz, MulAdd(N.yy, N.yy, N.xx * N.xx));
+  const V square = MulAdd(constant(d, 0.5), diagonal, off);
+  k.delta = Sqrt(Max(square, constant(d, isotropic<hn::TFromD<D>>)));
+  k.adjugate_A = adj;
+  k.A = N;
+}
 
-  const V e1 = mean + root, plane = mean - half_root;
-  const V e2 = plane + delta, e3 = plane - delta;
-  const V largest = hn::Max(hn::Max(e1, e2), e3), smallest = hn::Min(hn::Min(e1, e2), e3);
-  safe = hn::And(hn::And(largest<constant(d, 3), smallest> constant(d, -0.75)),
-                 J_minus_1 > constant(d, -1));
-
+/// Stage 3: clamp the three singular values. Returns the lanes in which one of them changed.
+template <class D, class V>
+HWY_INLINE hn::Mask<D> clamp_values(D d, const ElasticBox<hn::TFromD<D>>& box,
+                                    const ClampState<V>& k, ClampFunction<V>& Gamma,
+                                    ClampFunction<V>& H) {
+  const V half = constant(d, 0.5), zero = Zero(d);
+  const V plane = k.mean - k.half_root;
+  const V e1 = MulAdd(constant(d, 2), k.half_root, k.mean);
   const Clamped<V> r1 = clamp_stretch(d, sqrt_one_plus_minus_one(d, e1), box);
-  const Clamped<V> r2 = clamp_stretch(d, sqrt_one_plus_minus_one(d, e2), box);
-  const Clamped<V> r3 = clamp_stretch(d, sqrt_one_plus_minus_one(d, e3), box);
-  const V zero = hn::Zero(d);
-  changed = hn::Or(hn::Or(r1.difference != zero, r2.difference != zero), r3.difference != zero);
-
+  const Clamped<V> r2 = clamp_stretch(d, sqrt_one_plus_minus_one(d, plane + k.delta), box);
+  const Clamped<V> r3 = clamp_stretch(d, sqrt_one_plus_minus_one(d, plane - k.delta), box);
   // f(C) = f1 P + (f2+f3)/2 (I − P) + (f2−f3)/(2 delta) N
-  const V half_by_delta = half / delta;
+  const V half_by_delta = half / k.delta;
   const auto function = [&](V f1, V f2, V f3) HWY_ATTR {
-    const V a = (f2 + f3) * half, b = (f2 - f3) * half_by_delta, q = f1 - a;
-    return Sym3<V>{MulAdd(q, P.xx, MulAdd(b, N.xx, a)), MulAdd(q, P.xy, b * N.xy),
-                   MulAdd(q, P.xz, b * N.xz),           MulAdd(q, P.yy, MulAdd(b, N.yy, a)),
-                   MulAdd(q, P.yz, b * N.yz),           MulAdd(q, P.zz, MulAdd(b, N.zz, a))};
+    const V a = (f2 + f3) * half;
+    return ClampFunction<V>{a, (f1 - a) * k.inverse_trace, (f2 - f3) * half_by_delta};
   };
   Gamma = function(r1.gamma, r2.gamma, r3.gamma);
   H = function(r1.eta, r2.eta, r3.eta);
+  return Or(Or(Ne(r1.difference, zero), Ne(r2.difference, zero)), Ne(r3.difference, zero));
+}
+
+/// The function as a matrix.
+template <class V>
+HWY_INLINE Sym3<V> evaluate(const ClampFunction<V>& f, const ClampState<V>& k) {
+  const Sym3<V>&P = k.adjugate_A, &N = k.A;
+  return {MulAdd(f.projector, P.xx, MulAdd(f.plane, N.xx, f.identity)),
+          MulAdd(f.projector, P.xy, f.plane * N.xy),
+          MulAdd(f.projector, P.xz, f.plane * N.xz),
+          MulAdd(f.projector, P.yy, MulAdd(f.plane, N.yy, f.identity)),
+          MulAdd(f.projector, P.yz, f.plane * N.yz),
+          MulAdd(f.projector, P.zz, MulAdd(f.plane, N.zz, f.identity))};
 }
 
 /// The increments of F_E and F_P from the full decomposition F̂ = U Σ̂ Vᵀ, c = clamp(Σ̂):
@@ -132,18 +167,18 @@ template <class D, class V>
 HWY_NOINLINE void clamp_by_svd(D d, const Mat3<V>& F_hat_minus_I,
                                const ElasticBox<hn::TFromD<D>>& box, Mat3<V>& delta_F_E, Sym3<V>& H,
                                hn::Mask<D>& changed) {
-  const V one = constant(d, 1), zero = hn::Zero(d);
+  const V one = constant(d, 1), zero = Zero(d);
   Mat3<V> U, V_, W, Z;
   Vec3<V> sigma;
   svd(d, plus_identity(d, F_hat_minus_I), U, sigma, V_);
-  changed = hn::MaskFromVec(zero);
+  changed = MaskFromVec(zero);
   for (int j = 0; j < 3; ++j) {
     // Comparisons rather than Min and Max: NaN must pass through on every processor.
-    const V s = sigma[j] - one, lo = hn::Set(d, box.lo_minus_1), hi = hn::Set(d, box.hi_minus_1);
-    const V c = hn::IfThenElse(s > hi, hi, hn::IfThenElse(s < lo, lo, s));
+    const V s = sigma[j] - one, lo = Set(d, box.lo_minus_1), hi = Set(d, box.hi_minus_1);
+    const V c = IfThenElse(s > hi, hi, IfThenElse(s < lo, lo, s));
     const V difference = c - s;
-    changed = hn::Or(changed, difference != zero);
-    const V eta = hn::Neg(difference / (one + c));
+    changed = Or(changed, Ne(difference, zero));
+    const V eta = Neg(difference / (one + c));
     for (int i = 0; i < 3; ++i) W(i, j) = U(i, j) * difference, Z(i, j) = V_(i, j) * eta;
   }
   const auto times_Vt = [&](const Mat3<V>& X, int i, int j) HWY_ATTR {
@@ -158,41 +193,71 @@ HWY_NOINLINE void clamp_by_svd(D d, const Mat3<V>& F_hat_minus_I,
 /// Which way the return mapping takes: `fast` for production, `svd` to measure and test it.
 enum class ReturnMap { fast, svd };
 
-/// Step 7 after the trial state: in: F̂_E − I and F_P − I; out: F_E − I and F_P − I with
-/// F_E F_P = F̂_E F_P^old and every σ(F_E) in the box. Returns the lanes in which something was
-/// clamped; all other lanes keep every bit. J_P = det F_P: det_minus_one() of the new F_P − I.
+/// Adds the increments in the lanes of `changed`; the others keep every bit.
+template <class M, class V>
+HWY_INLINE void add_increments(M changed, const Mat3<V>& delta_F_E, const Sym3<V>& H,
+                               Mat3<V>& F_E_minus_I, Mat3<V>& F_P_minus_I) {
+  const Mat3<V> H_full = full(H);
+  const Mat3<V> delta_F_P = mul_add(H_full, H_full, F_P_minus_I);  // H F_P = H + H (F_P − I)
+  for (int k = 0; k < 9; ++k) {
+    F_E_minus_I.m[k] = IfThenElse(changed, F_E_minus_I.m[k] + delta_F_E.m[k], F_E_minus_I.m[k]);
+    F_P_minus_I.m[k] = IfThenElse(changed, F_P_minus_I.m[k] + delta_F_P.m[k], F_P_minus_I.m[k]);
+  }
+}
+
+/// Stage 4: apply what stages 1 to 3 found; unsafe lanes take the full decomposition. Returns the
+/// lanes in which something was clamped.
+template <class D, class V>
+HWY_INLINE hn::Mask<D> clamp_apply(D d, const ElasticBox<hn::TFromD<D>>& box,
+                                   const ClampState<V>& k, const ClampFunction<V>& gamma,
+                                   const ClampFunction<V>& eta, hn::Mask<D> safe,
+                                   hn::Mask<D> changed, Mat3<V>& F_E_minus_I,
+                                   Mat3<V>& F_P_minus_I) {
+  const Mat3<V> Gamma = full(evaluate(gamma, k));
+  Mat3<V> delta_F_E = mul_add(Gamma, F_E_minus_I, Gamma);  // F̂ Γ = Γ + (F̂ − I) Γ
+  Sym3<V> H = evaluate(eta, k);
+  if (HWY_UNLIKELY(!AllTrue(d, safe))) {
+    Mat3<V> delta_svd;
+    Sym3<V> H_svd;
+    hn::Mask<D> changed_svd;
+    clamp_by_svd(d, F_E_minus_I, box, delta_svd, H_svd, changed_svd);
+    delta_F_E = select(safe, delta_F_E, delta_svd);
+    H = select(safe, H, H_svd);
+    changed = Or(And(safe, changed), AndNot(safe, changed_svd));
+  }
+  add_increments(changed, delta_F_E, H, F_E_minus_I, F_P_minus_I);
+  return changed;
+}
+
+/// Step 7 after the trial state: in: F̂_E − I with J − 1 = det_minus_one(F̂_E − I), and F_P − I; out:
+/// F_E − I and F_P − I with F_E F_P = F̂_E F_P^old and every σ(F_E) in the box. Returns the lanes in
+/// which something was clamped; all other lanes keep every bit.
+/// J_P = det F_P, so J_P − 1 = det_minus_one() of the new F_P − I.
+template <ReturnMap path = ReturnMap::fast, class D, class V>
+HWY_INLINE hn::Mask<D> return_map(D d, const ElasticBox<hn::TFromD<D>>& box, V J_minus_1,
+                                  Mat3<V>& F_E_minus_I, Mat3<V>& F_P_minus_I) {
+  if constexpr (path == ReturnMap::fast) {
+    ClampState<V> k;
+    ClampFunction<V> gamma, eta;
+    const auto safe = clamp_root(d, right_strain(F_E_minus_I), J_minus_1, k);
+    clamp_plane(d, k);
+    const auto changed = clamp_values(d, box, k, gamma, eta);
+    return clamp_apply(d, box, k, gamma, eta, safe, changed, F_E_minus_I, F_P_minus_I);
+  } else {
+    Mat3<V> delta_F_E;
+    Sym3<V> H;
+    hn::Mask<D> changed;
+    clamp_by_svd(d, F_E_minus_I, box, delta_F_E, H, changed);
+    add_increments(changed, delta_F_E, H, F_E_minus_I, F_P_minus_I);
+    return changed;
+  }
+}
+
+/// The same when J is not at hand.
 template <ReturnMap path = ReturnMap::fast, class D, class V>
 HWY_INLINE hn::Mask<D> return_map(D d, const ElasticBox<hn::TFromD<D>>& box, Mat3<V>& F_E_minus_I,
                                   Mat3<V>& F_P_minus_I) {
-  const V J_minus_1 = det_minus_one(F_E_minus_I);
-  Mat3<V> delta_F_E;
-  Sym3<V> H;
-  hn::Mask<D> changed;
-  if constexpr (path == ReturnMap::fast) {
-    Sym3<V> Gamma;
-    hn::Mask<D> safe;
-    clamp_functions(d, right_strain(F_E_minus_I), J_minus_1, box, Gamma, H, changed, safe);
-    const Mat3<V> G = full(Gamma);
-    delta_F_E = mul_add(G, F_E_minus_I, G);  // F̂ Γ = Γ + (F̂ − I) Γ
-    if (HWY_UNLIKELY(!hn::AllTrue(d, safe))) {
-      Mat3<V> delta_svd;
-      Sym3<V> H_svd;
-      hn::Mask<D> changed_svd;
-      clamp_by_svd(d, F_E_minus_I, box, delta_svd, H_svd, changed_svd);
-      delta_F_E = select(safe, delta_F_E, delta_svd);
-      H = select(safe, H, H_svd);
-      changed = hn::Or(hn::And(safe, changed), hn::AndNot(safe, changed_svd));
-    }
-  } else {
-    clamp_by_svd(d, F_E_minus_I, box, delta_F_E, H, changed);
-  }
-  const Mat3<V> H_full = full(H);
-  const Mat3<V> delta_F_P = mul_add(H_full, H_full, F_P_minus_I);
-  for (int k = 0; k < 9; ++k) {
-    F_E_minus_I.m[k] = hn::IfThenElse(changed, F_E_minus_I.m[k] + delta_F_E.m[k], F_E_minus_I.m[k]);
-    F_P_minus_I.m[k] = hn::IfThenElse(changed, F_P_minus_I.m[k] + delta_F_P.m[k], F_P_minus_I.m[k]);
-  }
-  return changed;
+  return return_map<path>(d, box, det_minus_one(F_E_minus_I), F_E_minus_I, F_P_minus_I);
 }
 
 }  // namespace HWY_NAMESPACE

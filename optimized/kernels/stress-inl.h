@@ -99,8 +99,8 @@ HWY_INLINE Sym3<V> kirchhoff_stress(D d, const Mat3<V>& F_E_minus_I, V mu, V lam
   const V J_minus_1 = det_minus_one(F_E_minus_I);
   hn::Mask<D> small;
   Sym3<V> G = corotated_part(d, left_strain(F_E_minus_I), small);
-  small = hn::And(small, J_minus_1 > constant(d, -1));
-  if (HWY_UNLIKELY(!hn::AllTrue(d, small))) {
+  small = And(small, J_minus_1 > constant(d, -1));
+  if (HWY_UNLIKELY(!AllTrue(d, small))) {
     Sym3<V> general;
     corotated_part_svd(d, F_E_minus_I, general);
     G = select(small, G, general);

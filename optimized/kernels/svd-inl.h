@@ -69,21 +69,21 @@ HWY_INLINE V divide(V a, V s, V r) {
 template <class D, class V>
 HWY_INLINE void complete_basis(D d, const Vec3<V>& n, Vec3<V>& e, Vec3<V>& f) {
   const V one = constant(d, 1);
-  const V s = hn::CopySign(one, n[2]);
-  const V a = hn::Neg(one) / (s + n[2]);
+  const V s = CopySign(one, n[2]);
+  const V a = Neg(one) / (s + n[2]);
   const V na = n[0] * a, sx = s * n[0];
   const V b = n[1] * na;
-  e = {{MulAdd(sx, na, one), s * b, hn::Neg(sx)}};
-  f = {{b, MulAdd(n[1] * n[1], a, s), hn::Neg(n[1])}};
+  e = {{MulAdd(sx, na, one), s * b, Neg(sx)}};
+  f = {{b, MulAdd(n[1] * n[1], a, s), Neg(n[1])}};
 }
 
 /// The rotation by at most 45° that diagonalizes [[p, o/2], [o/2, q]] for p − q = |d|:
 /// tan = o / (|d| + √(d² + o²)); exactly the identity for o = 0.
 template <class D, class V>
 HWY_INLINE void jacobi_rotation(D d, V difference, V twice_off, V& c, V& s) {
-  const V r = hn::Sqrt(MulAdd(difference, difference, twice_off * twice_off));
-  const V t = twice_off / hn::Max(hn::Abs(difference) + r, tiny(d));
-  c = constant(d, 1) / hn::Sqrt(MulAdd(t, t, constant(d, 1)));
+  const V r = Sqrt(MulAdd(difference, difference, twice_off * twice_off));
+  const V t = twice_off / Max(Abs(difference) + r, tiny(d));
+  c = constant(d, 1) / Sqrt(MulAdd(t, t, constant(d, 1)));
   s = t * c;
 }
 
@@ -114,9 +114,9 @@ HWY_INLINE V power_of_two_below(D d, V m) {
   using T = hn::TFromD<D>;
   const hn::RebindToUnsigned<D> du;
   const auto exponent =
-      hn::Set(du, sizeof(T) == 4 ? static_cast<hn::TFromD<decltype(du)>>(0x7f800000u)
-                                 : static_cast<hn::TFromD<decltype(du)>>(0x7ff0000000000000ull));
-  return hn::BitCast(d, hn::And(hn::BitCast(du, m), exponent));
+      Set(du, sizeof(T) == 4 ? static_cast<hn::TFromD<decltype(du)>>(0x7f800000u)
+                             : static_cast<hn::TFromD<decltype(du)>>(0x7ff0000000000000ull));
+  return BitCast(d, And(BitCast(du, m), exponent));
 }
 
 /// Lanes outside the comfortable range: scale by powers of two so that the largest
@@ -125,29 +125,29 @@ template <class D, class V>
 HWY_NOINLINE void rescale(D d, hn::Mask<D> odd, SvdState<V>& k) {
   constexpr bool single = sizeof(hn::TFromD<D>) == 4;
   const V one = constant(d, 1);
-  V largest = hn::Abs(k.A.m[0]);
-  auto finite = hn::IsFinite(k.A.m[0]);
+  V largest = Abs(k.A.m[0]);
+  auto finite = IsFinite(k.A.m[0]);
   for (int i = 1; i < 9; ++i) {
-    largest = hn::Max(largest, hn::Abs(k.A.m[i]));
-    finite = hn::And(finite, hn::IsFinite(k.A.m[i]));
+    largest = Max(largest, Abs(k.A.m[i]));
+    finite = And(finite, IsFinite(k.A.m[i]));
   }
   // Denormals first: 2^60 or 2^300 lifts them all into the normal range.
   const V up = constant(d, single ? 0x1p60 : 0x1p300),
           down = constant(d, single ? 0x1p-60 : 0x1p-300);
-  const auto small = hn::And(odd, largest < constant(d, single ? 0x1p-60 : 0x1p-300));
-  const V lift = hn::IfThenElse(small, up, one);
-  largest = hn::Max(largest * lift, constant(d, single ? 0x1p-126 : 0x1p-1022));
+  const auto small = And(odd, largest < constant(d, single ? 0x1p-60 : 0x1p-300));
+  const V lift = IfThenElse(small, up, one);
+  largest = Max(largest * lift, constant(d, single ? 0x1p-126 : 0x1p-1022));
   V power = power_of_two_below(d, largest);
-  power = hn::IfThenElse(hn::And(odd, finite), power, one);
+  power = IfThenElse(And(odd, finite), power, one);
   const V poison = constant(d, std::numeric_limits<double>::quiet_NaN());
   for (V& a : k.A.m) {
     // Dividing by a power of two is exact; its reciprocal may not be a normal number.
     const V scaled = (a * lift) / power;
-    a = hn::IfThenElse(odd, hn::IfThenElse(finite, scaled, poison), a);
+    a = IfThenElse(odd, IfThenElse(finite, scaled, poison), a);
   }
   k.scaled = true;
   k.scale[0] = power;
-  k.scale[1] = hn::IfThenElse(small, down, one);
+  k.scale[1] = IfThenElse(small, down, one);
 }
 
 /// Step 1: the scaled deviator of AᵀA and its isolated eigenvalue.
@@ -160,20 +160,20 @@ HWY_INLINE void isolated_eigenvalue(D d, SvdState<V>& k) {
   V trace = (C.xx + C.yy) + C.zz;
   // The comparisons are written so that NaN counts as odd.
   const auto usual =
-      hn::And(trace > constant(d, single ? 1e-8 : 1e-60), trace < constant(d, single ? 1e8 : 1e60));
-  if (HWY_UNLIKELY(!hn::AllTrue(d, usual))) {
-    rescale(d, hn::Not(usual), k);
+      And(trace > constant(d, single ? 1e-8 : 1e-60), trace < constant(d, single ? 1e8 : 1e60));
+  if (HWY_UNLIKELY(!AllTrue(d, usual))) {
+    rescale(d, Not(usual), k);
     C = gram(k.A);
   }
   V mean;
   const Sym3<V> A = deviator(d, C, mean);
-  const V size = one / hn::Sqrt(hn::Max(deviator_size(d, A), tiny(d)));
+  const V size = one / Sqrt(Max(deviator_size(d, A), tiny(d)));
   k.S = {A.xx * size, A.xy * size, A.xz * size, A.yy * size, A.yz * size, A.zz * size};
 
   const V det_S = det(k.S);
-  const V h = hn::Min(hn::Abs(det_S) * constant(d, 0.5), one);
+  const V h = Min(Abs(det_S) * constant(d, 0.5), one);
   const V c = cos_third(d, h);
-  k.root = hn::CopySign(c + c, det_S);
+  k.root = CopySign(c + c, det_S);
 }
 
 /// Step 2, first half: v[0] = eigenvector of the isolated root, v[1], v[2] complete it.
@@ -184,17 +184,17 @@ HWY_INLINE void isolated_eigenvector(D d, SvdState<V>& k) {
   // The column with the largest diagonal entry is the longest, and that entry its largest: the
   // trace is (root−λ2)(root−λ3) ≥ 3, so it is at least 1. Divided by it the column reads (1, a, b)
   // in some order, which gives a diagonal matrix its axes exactly.
-  const auto third = adj.zz > hn::Max(adj.xx, adj.yy);
-  const auto second = hn::AndNot(third, adj.yy > adj.xx);
-  const auto first = hn::Not(hn::Or(second, third));
+  const auto third = adj.zz > Max(adj.xx, adj.yy);
+  const auto second = AndNot(third, adj.yy > adj.xx);
+  const auto first = Not(Or(second, third));
   const V one = constant(d, 1);
-  const V inverse = one / hn::Max(hn::Max(adj.xx, adj.yy), adj.zz);
-  const V a = hn::IfThenElse(third, adj.xz, adj.xy) * inverse;
-  const V b = hn::IfThenElse(first, adj.xz, adj.yz) * inverse;
-  const V w = one / hn::Sqrt(MulAdd(a, a, MulAdd(b, b, one)));
+  const V inverse = one / Max(Max(adj.xx, adj.yy), adj.zz);
+  const V a = IfThenElse(third, adj.xz, adj.xy) * inverse;
+  const V b = IfThenElse(first, adj.xz, adj.yz) * inverse;
+  const V w = one / Sqrt(MulAdd(a, a, MulAdd(b, b, one)));
   const V aw = a * w, bw = b * w;
-  k.v[0] = {{hn::IfThenElse(first, w, aw), hn::IfThenElse(second, w, hn::IfThenElse(third, bw, aw)),
-             hn::IfThenElse(third, w, bw)}};
+  k.v[0] = {{IfThenElse(first, w, aw), IfThenElse(second, w, IfThenElse(third, bw, aw)),
+             IfThenElse(third, w, bw)}};
   complete_basis(d, k.v[0], k.v[1], k.v[2]);
 }
 
@@ -210,16 +210,16 @@ HWY_INLINE void plane_eigenvectors(D d, SvdState<V>& k) {
   jacobi_rotation(d, difference, off + off, c, s);
   // (c, s) belongs to the larger eigenvalue if the first diagonal entry is the larger one;
   // if not, (|s|, ±c) does.
-  const auto swap = difference < hn::Zero(d);
-  const V c2 = hn::IfThenElse(swap, hn::Abs(s), c);
-  const V s2 = hn::IfThenElse(swap, hn::CopySign(c, s), s);
-  const auto smallest = k.root < hn::Zero(d);  // the isolated eigenvalue comes last
+  const auto swap = difference < Zero(d);
+  const V c2 = IfThenElse(swap, Abs(s), c);
+  const V s2 = IfThenElse(swap, CopySign(c, s), s);
+  const auto smallest = k.root < Zero(d);  // the isolated eigenvalue comes last
   for (int i = 0; i < 3; ++i) {
     const V a = k.v[1][i], b = k.v[2][i], n = k.v[0][i];
     const V large = MulAdd(s2, b, c2 * a), small = NegMulAdd(s2, a, c2 * b);
-    k.v[0][i] = hn::IfThenElse(smallest, large, n);
-    k.v[1][i] = hn::IfThenElse(smallest, small, large);
-    k.v[2][i] = hn::IfThenElse(smallest, n, small);
+    k.v[0][i] = IfThenElse(smallest, large, n);
+    k.v[1][i] = IfThenElse(smallest, small, large);
+    k.v[2][i] = IfThenElse(smallest, n, small);
   }
 }
 
@@ -239,28 +239,28 @@ HWY_INLINE hn::Mask<D> not_orthogonal(D d, const SvdState<V>& k, double multiple
   const V eps = epsilon(d, multiple);
   const V limit = eps * k.square[0];                            // |b0·b_j| ≤ m eps |b0|²
   const V limit12 = (eps * eps) * (k.square[0] * k.square[1]);  // |b1·b2| ≤ m eps |b0||b1|
-  auto bad = hn::Max(hn::Abs(b01), hn::Abs(b02)) > limit;
-  bad = hn::Or(bad, b12 * b12 > hn::Max(limit12, tiny(d)));
+  auto bad = Max(Abs(b01), Abs(b02)) > limit;
+  bad = Or(bad, b12 * b12 > Max(limit12, tiny(d)));
   // Squares differ by roundoff where columns are equal: 8 eps, relative (never absolute) slack.
   const V slack = constant(d, 1) + epsilon(d, 8);
-  bad = hn::Or(bad, k.square[1] > k.square[0] * slack);
-  return hn::Or(bad, k.square[2] > k.square[1] * slack);
+  bad = Or(bad, k.square[1] > k.square[0] * slack);
+  return Or(bad, k.square[2] > k.square[1] * slack);
 }
 
 /// In the lanes of `mask`: exchange columns p and q if q is longer; a sign keeps det V = +1.
 template <class D, class V>
 HWY_INLINE void sort_columns(D, hn::Mask<D> mask, SvdState<V>& k, int p, int q) {
-  const auto swap = hn::And(mask, k.square[p] < k.square[q]);
+  const auto swap = And(mask, k.square[p] < k.square[q]);
   for (int i = 0; i < 3; ++i) {
     const V bp = k.b[p][i], vp = k.v[p][i];
-    k.b[p][i] = hn::IfThenElse(swap, k.b[q][i], bp);
-    k.b[q][i] = hn::IfThenElse(swap, hn::Neg(bp), k.b[q][i]);
-    k.v[p][i] = hn::IfThenElse(swap, k.v[q][i], vp);
-    k.v[q][i] = hn::IfThenElse(swap, hn::Neg(vp), k.v[q][i]);
+    k.b[p][i] = IfThenElse(swap, k.b[q][i], bp);
+    k.b[q][i] = IfThenElse(swap, Neg(bp), k.b[q][i]);
+    k.v[p][i] = IfThenElse(swap, k.v[q][i], vp);
+    k.v[q][i] = IfThenElse(swap, Neg(vp), k.v[q][i]);
   }
   const V square_p = k.square[p];
-  k.square[p] = hn::IfThenElse(swap, k.square[q], square_p);
-  k.square[q] = hn::IfThenElse(swap, square_p, k.square[q]);
+  k.square[p] = IfThenElse(swap, k.square[q], square_p);
+  k.square[q] = IfThenElse(swap, square_p, k.square[q]);
 }
 
 /// In the lanes of `mask`: rotate columns p, q of B and V so that b_p·b_q = 0.
@@ -270,13 +270,13 @@ HWY_INLINE void jacobi_step(D d, hn::Mask<D> mask, SvdState<V>& k, int p, int q)
   const V difference = dot(k.b[p], k.b[p]) - dot(k.b[q], k.b[q]);
   V c, s;
   jacobi_rotation(d, difference, off + off, c, s);
-  s = hn::IfThenElse(difference < hn::Zero(d), hn::Neg(s), s);
+  s = IfThenElse(difference < Zero(d), Neg(s), s);
   for (int i = 0; i < 3; ++i) {
     const V bp = k.b[p][i], bq = k.b[q][i], vp = k.v[p][i], vq = k.v[q][i];
-    k.b[p][i] = hn::IfThenElse(mask, MulAdd(s, bq, c * bp), bp);
-    k.b[q][i] = hn::IfThenElse(mask, NegMulAdd(s, bp, c * bq), bq);
-    k.v[p][i] = hn::IfThenElse(mask, MulAdd(s, vq, c * vp), vp);
-    k.v[q][i] = hn::IfThenElse(mask, NegMulAdd(s, vp, c * vq), vq);
+    k.b[p][i] = IfThenElse(mask, MulAdd(s, bq, c * bp), bp);
+    k.b[q][i] = IfThenElse(mask, NegMulAdd(s, bp, c * bq), bq);
+    k.v[p][i] = IfThenElse(mask, MulAdd(s, vq, c * vp), vp);
+    k.v[q][i] = IfThenElse(mask, NegMulAdd(s, vp, c * vq), vq);
   }
 }
 
@@ -284,36 +284,36 @@ HWY_INLINE void jacobi_step(D d, hn::Mask<D> mask, SvdState<V>& k, int p, int q)
 /// quadratic from an already nearly orthogonal B: three sweeps are usual, eight bound it.
 template <class D, class V>
 HWY_NOINLINE void clean_up(D d, hn::Mask<D> bad, SvdState<V>& k) {
-  for (int sweep = 0; sweep < 8 && !hn::AllFalse(d, bad); ++sweep) {
+  for (int sweep = 0; sweep < 8 && !AllFalse(d, bad); ++sweep) {
     sort_columns(d, bad, k, 0, 1), sort_columns(d, bad, k, 0, 2), sort_columns(d, bad, k, 1, 2);
     jacobi_step(d, bad, k, 0, 1), jacobi_step(d, bad, k, 0, 2), jacobi_step(d, bad, k, 1, 2);
-    for (int j = 0; j < 3; ++j) k.square[j] = hn::IfThenElse(bad, dot(k.b[j], k.b[j]), k.square[j]);
-    bad = hn::And(bad, not_orthogonal(d, k, 2));
+    for (int j = 0; j < 3; ++j) k.square[j] = IfThenElse(bad, dot(k.b[j], k.b[j]), k.square[j]);
+    bad = And(bad, not_orthogonal(d, k, 2));
   }
 }
 
 /// Steps 3 and 4: test, clean up where needed, then U and Σ.
 template <class D, class V>
 HWY_INLINE void left_vectors(D d, SvdState<V>& k, Mat3<V>& U, Vec3<V>& sigma) {
-  const V one = constant(d, 1), zero = hn::Zero(d);
+  const V one = constant(d, 1), zero = Zero(d);
   const auto bad = not_orthogonal(d, k, 3);
-  if (HWY_UNLIKELY(!hn::AllFalse(d, bad))) clean_up(d, bad, k);
+  if (HWY_UNLIKELY(!AllFalse(d, bad))) clean_up(d, bad, k);
 
-  const V s1 = hn::Sqrt(k.square[0]);
+  const V s1 = Sqrt(k.square[0]);
   const V r1 = one / s1;
   const auto null1 = k.square[0] <= tiny(d);
   Vec3<V> u1, e, f;
   for (int i = 0; i < 3; ++i)
-    u1[i] = hn::IfThenElse(null1, i == 0 ? one : zero, divide(k.b[0][i], s1, r1));
+    u1[i] = IfThenElse(null1, i == 0 ? one : zero, divide(k.b[0][i], s1, r1));
   complete_basis(d, u1, e, f);
 
   const V x = dot(e, k.b[1]), y = dot(f, k.b[1]);
   const V square2 = MulAdd(x, x, y * y);
   const auto null2 = square2 <= tiny(d);
-  const V s2 = hn::Sqrt(square2);
+  const V s2 = Sqrt(square2);
   const V r2 = one / s2;
-  const V cx = hn::IfThenElse(null2, one, divide(x, s2, r2));
-  const V cy = hn::IfThenElse(null2, zero, divide(y, s2, r2));
+  const V cx = IfThenElse(null2, one, divide(x, s2, r2));
+  const V cy = IfThenElse(null2, zero, divide(y, s2, r2));
   Vec3<V> u2, u3;
   for (int i = 0; i < 3; ++i) {
     u2[i] = MulAdd(cx, e[i], cy * f[i]);
@@ -321,8 +321,8 @@ HWY_INLINE void left_vectors(D d, SvdState<V>& k, Mat3<V>& U, Vec3<V>& sigma) {
     U(i, 0) = u1[i], U(i, 1) = u2[i], U(i, 2) = u3[i];
   }
   // Roundoff may order equal values wrongly by an ulp: the convention is exact.
-  const V sigma2 = hn::Min(hn::IfThenElse(null2, zero, s2), s1);
-  const V sigma3 = hn::Max(hn::Min(dot(u3, k.b[2]), sigma2), hn::Neg(sigma2));
+  const V sigma2 = Min(IfThenElse(null2, zero, s2), s1);
+  const V sigma3 = Max(Min(dot(u3, k.b[2]), sigma2), Neg(sigma2));
   sigma = {{s1, sigma2, sigma3}};
   if (HWY_UNLIKELY(k.scaled))
     for (V& s : sigma.v) s = s * k.scale[0] * k.scale[1];

@@ -328,6 +328,79 @@ TEST_P(ElasticKernel, StressOfNotANumber) {
   check_stress_nan<double>();
 }
 
+/// V_p0 A Fᵀ against the definition. Products of L with matrices near a rotation, and K⁻¹ of
+/// eigenvalues near ½: a dozen roundings of numbers of size (2μ+3λ)‖L‖. With large or inverted
+/// strains, K⁻¹ multiplies the roundoff of σ by 1/(σ2+σ3)².
+template <class T>
+void check_hessian(const char* name, Matrix (*make)(Random&, double)) {
+  SCOPED_TRACE(name);
+  const std::size_t n = 3000 * sample_factor;
+  Random random(81);
+  Packed<T> D(n, 9), two_mu(n, 1), lambda(n, 1), factors(n, 15), L(n, 9), result(n, 9);
+  for (std::size_t i = 0; i < n; ++i) {
+    put(D, i, make(random, random.uniform()));
+    put(L, i, families_detail::gaussian(random, 1));
+    two_mu(i, 0) = static_cast<T>(random.uniform(1, 2));
+    lambda(i, 0) = static_cast<T>(random.uniform(0, 2));
+  }
+  const auto& table = kernels::batch_kernels<T>();
+  table.hessian_factors(D.data(), two_mu.data(), lambda.data(), factors.data(), D.packets());
+  table.hessian_action(factors.data(), L.data(), result.data(), D.packets());
+  Spread error;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Matrix F = plus_identity(matrix(D, i)), l = matrix(L, i);
+    const Matrix exact = hessian_oracle(F, l, Real(two_mu(i, 0)) / 2, lambda(i, 0));
+    Matrix difference = matrix(result, i);
+    for (int k = 0; k < 9; ++k) difference[k] -= exact[k];
+    const auto sigma = svd_oracle(F).sigma;
+    const Real size = std::max(Real(1), sigma[0]), sum = std::min(Real(1), sigma[1] + sigma[2]);
+    const Real volume = std::pow(size, 6);  // J² ≤ σ1⁶
+    const Real unit = two_mu(i, 0) * size * size / (sum * sum) + 3 * lambda(i, 0) * volume;
+    error.add(norm(difference) / (unit * norm(l)) / eps<T>);
+  }
+  report(table.target, type_name<T>(), name, error);
+  EXPECT_LE(error.largest(), 8);
+}
+
+template <class T>
+void check_hessians() {
+  check_hessian<T>("Hessian, small strains", small_gradient);
+  check_hessian<T>("Hessian, snow turned by any rotation", turned_snow);
+  check_hessian<T>("Hessian, large strains", large_strain);
+  check_hessian<T>("Hessian, inverted", inverted);
+}
+
+TEST_P(ElasticKernel, HessianAction) {
+  check_hessians<float>();
+  check_hessians<double>();
+}
+
+/// Where R is not differentiable the action stays finite; a zero F_E gives zero shear.
+template <class T>
+void check_hessian_of_singular() {
+  Packed<T> D(64, 9), two_mu(64, 1), lambda(64, 1), factors(64, 15), L(64, 9), result(64, 9);
+  for (std::size_t i = 0; i < 64; ++i) {
+    two_mu(i, 0) = lambda(i, 0) = 1;
+    L(i, i % 9) = 1, L(i, (i + 4) % 9) = 2;
+    D(i, 0) = i % 4 == 0 ? -1 : 0, D(i, 4) = i % 4 < 2 ? -1 : -2, D(i, 8) = i % 4 == 3 ? 0 : -1;
+  }
+  const auto& table = kernels::batch_kernels<T>();
+  table.hessian_factors(D.data(), two_mu.data(), lambda.data(), factors.data(), D.packets());
+  table.hessian_action(factors.data(), L.data(), result.data(), D.packets());
+  for (std::size_t i = 0; i < 64; ++i)
+    for (std::size_t k = 0; k < 9; ++k) {
+      ASSERT_TRUE(std::isfinite(result(i, k))) << i;
+      if (i % 4 == 0) {  // F_E = 0
+        ASSERT_EQ(result(i, k), 0) << i;
+      }
+    }
+}
+
+TEST_P(ElasticKernel, HessianActionOfSingularMatrices) {
+  check_hessian_of_singular<float>();
+  check_hessian_of_singular<double>();
+}
+
 /// e^x within 1.05 ulp over the whole range, infinity and zero where they belong, denormal results.
 template <class T>
 void check_exp() {

@@ -76,6 +76,37 @@ inline Matrix stress_oracle(const Matrix& D, Real mu, Real lambda) {
   return G;
 }
 
+/// A Fᵀ of the second derivative along δF = L F, from the definition: δR = R [ω]×, W S + S W =
+/// RᵀδF − δFᵀR solved in the singular basis, and the cofactor matrix differentiated term by term.
+inline Matrix hessian_oracle(const Matrix& F, const Matrix& L, Real mu, Real lambda) {
+  const Svd usv = svd_oracle(F);
+  const Matrix dF = multiply(L, F);
+  // In the bases U, V: (UᵀδR V)_ij = (M − Mᵀ)_ij / (σ_i + σ_j) with M = UᵀδF V.
+  const Matrix M = multiply(transpose(usv.U), multiply(dF, usv.V));
+  Matrix W{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (i != j) W[3 * i + j] = (M[3 * i + j] - M[3 * j + i]) / (usv.sigma[i] + usv.sigma[j]);
+  const Matrix dR = multiply(usv.U, multiply(W, transpose(usv.V)));
+  const auto cofactor = [](const Matrix& A, const Matrix& B) {  // bilinear; cofactor(F, F) = cof F
+    Matrix C;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3, p = (j + 1) % 3, q = (j + 2) % 3;
+        C[3 * i + j] = A[3 * a + p] * B[3 * b + q] - A[3 * a + q] * B[3 * b + p];
+      }
+    return C;
+  };
+  const Matrix C = cofactor(F, F), left = cofactor(dF, F), right = cofactor(F, dF);
+  Real dJ = 0;
+  for (int k = 0; k < 9; ++k) dJ += C[k] * dF[k];
+  Matrix A;
+  for (int k = 0; k < 9; ++k)
+    A[k] = 2 * mu * (dF[k] - dR[k]) + lambda * dJ * C[k] +
+           lambda * (det(F) - 1) * (left[k] + right[k]);
+  return multiply(A, transpose(F));
+}
+
 /// Step 7 from its definition.
 struct ReturnMapped {
   Matrix F_E, F_P;
