@@ -6,6 +6,7 @@
 #include "firn/machine.hpp"
 #include "io/scene/scene_file.hpp"
 #include "verification/guests/guests.hpp"
+#include "verification/mutants/mutants.hpp"
 
 namespace firn::cli {
 
@@ -48,6 +49,7 @@ SolverOptions SolverOption::settings(std::size_t particles) const {
 
 std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
                                              std::size_t particles) const {
+  if (names_a_mutant(name)) return make_mutant_solver(name, settings(particles));
   if (!names_a_guest(name)) return registry.create(name, settings(particles));
   GuestOptions guest;
   guest.time_limit = time_limit;
@@ -59,7 +61,8 @@ std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::strin
   option->name = default_solver;
   verb.add_option(
           "--solver", option->name,
-          "a name that `firn solvers` prints, ./LIBRARY.so, or \"exec:COMMAND {in} {out} {steps}\"")
+          "a name that `firn solvers` prints, ./LIBRARY.so, \"exec:COMMAND {in} {out} {steps}\", or "
+          "mutant:NAME, a wrong solver on purpose")
       ->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,

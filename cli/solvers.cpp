@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/verbs.hpp"
+#include "verification/mutants/mutants.hpp"
 
 namespace firn::cli {
 
@@ -33,13 +34,44 @@ void print_solvers(const Registry& registry, bool json) {
                entry.semi_implicit ? "explicit,semi-implicit" : "explicit", entry.description);
 }
 
+/// "stage 3" or, for a mistake of several stages, "stage 3 …".
+std::string place(const Mutant& mutant) {
+  return fmt::format("{} {}{}", number(mutant.stage), name(mutant.stage),
+                     mutant.several ? " ..." : "");
+}
+
+void print_mutants(bool json) {
+  if (json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Mutant& mutant : all_mutants())
+      list.push_back({{"name", "mutant:" + mutant.name},
+                      {"stage", name(mutant.stage)},
+                      {"several_stages", mutant.several},
+                      {"mistake", mutant.mistake},
+                      {"origin", mutant.origin},
+                      {"needs", mutant.needs},
+                      {"check_sees_it", mutant.check_sees_it}});
+    fmt::print("{}\n", list.dump(2));
+    return;
+  }
+  for (const Mutant& mutant : all_mutants())
+    fmt::print("mutant:{:<32} {:<24} {}\n", mutant.name, place(mutant), mutant.mistake);
+}
+
 }  // namespace
 
 void add_solvers(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand("solvers", "registered solvers, one a line, name first");
   auto json = std::make_shared<bool>(false);
+  auto mutants = std::make_shared<bool>(false);
   verb->add_flag("--json", *json, "machine-readable");
-  verb->callback([json, &context] { print_solvers(context.registry, *json); });
+  verb->add_flag("--mutants", *mutants, "the deliberately wrong solvers instead");
+  verb->callback([json, mutants, &context] {
+    if (*mutants)
+      print_mutants(*json);
+    else
+      print_solvers(context.registry, *json);
+  });
 }
 
 }  // namespace firn::cli

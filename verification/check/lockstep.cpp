@@ -154,7 +154,8 @@ bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const
 }
 
 /// Fields that no stage of the stretch writes must come back as they were loaded, to
-/// the rounding of load and store.
+/// the rounding of load and store. Of the grid's fields this matters for v_iⁿ, which stage 8
+/// needs again; a solver that recomputes it there may leave it empty.
 void Lockstep::compare_kept(const State& input, const State& after, const State& theirs, Stage from,
                             Stage stop, const std::vector<Written>& written,
                             const BoundModel& model) {
@@ -166,6 +167,11 @@ void Lockstep::compare_kept(const State& input, const State& after, const State&
     if (kept(field))
       recorder_.compare({scene_, after, theirs, model.bounds(), model.stencils(), input.step}, from,
                         stop, stop, field, true);
+  const Field old_velocity = Field::node_velocity;
+  const bool in_grid = stop != Stage::positions && length(after, old_velocity) > 0;
+  if (in_grid && kept(old_velocity) && length(theirs, old_velocity) == theirs.grid.size())
+    recorder_.compare({scene_, after, theirs, model.bounds(), model.stencils(), input.step}, from,
+                      stop, stop, old_velocity, true);
 }
 
 /// Δt by the scene's own rule, where it depends on the state. Both of its limits are

@@ -29,6 +29,9 @@ ALLOWED = {
     "verification": ["firn", "io", ROOT_OF_SOLVERS],
     "verification/check": ["firn"],
     "verification/check/tests": ["firn", "io", "verification/check", ROOT_OF_SOLVERS],
+    # Wrong solvers are made of the right one's stages.
+    "verification/mutants": ["firn", "reference"],
+    "verification/mutants/tests": ["firn", "verification", ROOT_OF_SOLVERS],
     "verification/reference": ["firn", "io", "reference", "verification"],
     "verification/optimized": ["firn", "io", "optimized", "verification", ROOT_OF_SOLVERS],
     "verification/optimized_kernels": ["firn", "optimized", "verification"],

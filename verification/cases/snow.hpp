@@ -1,0 +1,52 @@
+#pragma once
+/// Small random states of snow in which every stage has work to do, and every plausible
+/// mistake shows: two materials, particles of different masses, known and unknown volumes,
+/// colliders that move and turn, a grid whose origin is not zero, particles on both sides of
+/// it. The same bits on every machine.
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "firn/scene.hpp"
+#include "firn/state.hpp"
+
+namespace firn::cases {
+
+/// Uniform numbers in [−1, 1].
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  double operator()();
+  Vec3 vec3();
+  Mat3 mat3();
+  Mat3 rotation();
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+struct Case {
+  std::string name;
+  Scene scene;
+  State state;
+  int steps = 2;  ///< for how many the method itself bears the state
+};
+
+/// Slides over a moving plane with friction and into a sticky, turning sphere.
+Case lump_on_slope();
+
+/// The same with a step of 1 ms, five times what explicit steps bear, β = 0.8.
+Case implicit_lump();
+
+/// In a domain that is periodic along x, with an adaptive time step that hardened snow limits.
+Case periodic_lump();
+
+/// Particles on nodes, faces and edges of cells and a bit beside them, coincident, alone, far
+/// away; F_E inverted, singular, a pure rotation, crushed and stretched; F_P hard and soft.
+Case awkward_lump();
+
+/// All of them.
+std::vector<Case> snow_cases();
+
+}  // namespace firn::cases

@@ -1,0 +1,44 @@
+#pragma once
+/// Deliberately wrong solvers: the reference with one small named patch each, one
+/// plausible mistake. Whoever claims to find mistakes has to find these:
+/// `firn check SCENE --solver mutant:NAME`, `firn verify --solver mutant:NAME`.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "firn/registry.hpp"
+#include "firn/solver.hpp"
+
+namespace firn {
+
+namespace mutants {
+struct Stages;
+}
+
+struct Mutant {
+  std::string name;     ///< snake_case
+  Stage stage;          ///< where the mistake lives; of several stages the first
+  bool several;         ///< it lives in more than one stage, or between steps
+  std::string mistake;  ///< what was changed, one line
+  std::string origin;   ///< how people come to make it, one line
+  /// What a scene must have for the mistake to matter; empty: any lump of snow that
+  /// yields and touches a collider.
+  std::string needs;
+  /// False: within roundoff of the truth in any one run of good input, so that lockstep has
+  /// nothing to say; properties of many runs or bad input show it.
+  bool check_sees_it;
+  std::function<void(mutants::Stages&)> patch;
+};
+
+/// All of them, in the order of the stages.
+const std::vector<Mutant>& all_mutants();
+
+/// True for "mutant:…".
+bool names_a_mutant(const std::string& solver);
+
+/// "mutant:NAME". Throws InputError for an unknown name or a precision other than double.
+std::unique_ptr<Solver> make_mutant_solver(const std::string& solver, const SolverOptions& options);
+
+}  // namespace firn
