@@ -61,12 +61,12 @@ Scene impact(bool adaptive) {
 class SolverResumes : public ::testing::TestWithParam<ResumeCase> {};
 
 TEST_P(SolverResumes, FromEveryFrameEqualsTheUninterruptedRun) {
-  const auto& [name, precision, adaptive] = GetParam();
+  const ResumeCase& resumed = GetParam();
   const TemporaryFolder folder;
-  const Scene scene = impact(adaptive);
+  const Scene scene = impact(resumed.adaptive);
   const auto run = [&](const std::filesystem::path& output, const std::filesystem::path& from,
                        std::int64_t frame) {
-    const auto solver = builtin().create(name, {precision, 1});
+    const auto solver = builtin().create(resumed.solver, {resumed.precision, 1});
     RunOptions options;
     options.output = output;
     options.steps = 60;

@@ -36,7 +36,7 @@ ALLOWED = {
     "verification/optimized": ["firn", "io", "optimized", "verification", ROOT_OF_SOLVERS],
     "verification/optimized_kernels": ["firn", "optimized", "verification"],
     # A project of its own, built against the installed package.
-    "verification/install/outside": ["firn", "reference", "verification"],
+    "verification/install/outside": ["firn", "io", "reference", "verification"],
     "bench": ["firn", "io", "verification", ROOT_OF_SOLVERS],
     # Kernels are measured one by one, below the interface of solvers.
     "bench/kernels": ["firn", "reference", "optimized", "bench"],
