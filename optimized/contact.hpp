@@ -7,9 +7,11 @@
 
 namespace firn::optimized {
 
+enum class ContactMode { none, slides, sticks };
+
 /// v after contact with `collider`, as it stands at the point of `contact`
 /// (Stomakhin et al. 2013, section 8).
-void collide(const Collider& collider, const Contact& contact, Vec3& v);
+ContactMode collide(const Collider& collider, const Contact& contact, Vec3& v);
 
 /// The colliders of a scene at one time, and which of them a region can touch.
 class Contacts {
@@ -23,6 +25,9 @@ class Contacts {
 
   /// v after all the given colliders, in scene order.
   void collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v) const;
+
+  /// The same; `free` is multiplied by the projector onto the directions that they leave free.
+  void collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v, Mat3& free) const;
 
   /// All of them.
   void all(std::vector<int>& out) const;

@@ -8,7 +8,7 @@
 #define FIRN_OPTIMIZED_FOLD_INL_H_
 #endif
 
-#include "optimized/row-inl.h"
+#include "optimized/position-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

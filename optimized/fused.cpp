@@ -57,7 +57,7 @@ std::int64_t OptimizedSolver<T>::count_nodes(const NodeFields<T>& node) {
 
 template <class T>
 void OptimizedSolver<T>::collide_nodes(std::size_t n, ThreadMemory<T>& memory,
-                                       NodeFields<T>& node) const {
+                                       NodeFields<T>& node) {
   if (scene_->colliders.empty()) return;
   const NodeBlock& block = nodes_.block(n);
   const double h = scene_->grid.spacing;
@@ -79,7 +79,13 @@ void OptimizedSolver<T>::collide_nodes(std::size_t n, ThreadMemory<T>& memory,
     const Vec3 x = scene_->grid.origin + h * Vec3(i.i, i.j, i.k);
     Vec3 v(static_cast<double>(node.v_star[0][k]), static_cast<double>(node.v_star[1][k]),
            static_cast<double>(node.v_star[2][k]));
-    contacts_.collide(memory.colliders, x, v);
+    if (solves()) {
+      Mat3 free = Mat3::Identity();
+      contacts_.collide(memory.colliders, x, v, free);
+      if (free != Mat3::Identity()) implicit_.set_free_directions(n, k, free);
+    } else {
+      contacts_.collide(memory.colliders, x, v);
+    }
     for (int a = 0; a < 3; ++a) node.v_star[a][k] = static_cast<T>(v[a]);
   }
 }
@@ -196,13 +202,14 @@ StepReport OptimizedSolver<T>::fused_step() {
   scatter_all();
 
   const int n = static_cast<int>(nodes_.size());
+  if (solves()) implicit_.release(nodes_.size()), nodes_.require_fields();
   std::int64_t count = 0;
   bool finite = true;
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 16) reduction(+ : count) reduction(&& : finite)
   for (int i = 0; i < n; ++i) {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
-    NodeFields<T>& node = *memory.node.data();
     const auto k = static_cast<std::size_t>(i);
+    NodeFields<T>& node = solves() ? nodes_.fields(k) : *memory.node.data();
     sum_tiles(k, memory, node);
     kernels_.node_velocities(node);
     kernels_.node_forces(constants_, node);
@@ -219,6 +226,11 @@ StepReport OptimizedSolver<T>::fused_step() {
                           "velocity is not finite");
   }
 
+  if (solves()) {
+    solve_implicit();
+    pack_all();
+  }
+
   const Found found = update_all(pass_deformation | pass_velocity | pass_position, true);
   if (found.block >= 0) fail(found);
   move_between_blocks();
@@ -226,6 +238,7 @@ StepReport OptimizedSolver<T>::fused_step() {
   StepReport report;
   report.dt = dt_;
   report.grid_nodes = count;
+  report_solve(report);
   return report;
 }
 

@@ -43,6 +43,7 @@ OptimizedSolver<T>::OptimizedSolver(const SolverOptions& options)
     : skips_(SkipSet::from_environment()),
       threads_(options.threads),
       kernels_((select_target_from_environment(), kernels<T>())),
+      implicit_(options.threads, block_preconditioner_from_environment()),
       memory_(static_cast<std::size_t>(options.threads)) {}
 
 template <class T>
@@ -52,6 +53,7 @@ const SolverTraits& OptimizedSolver<T>::traits() const {
     t.name = "optimized";
     t.precision = sizeof(T) == 4 ? Precision::float32 : Precision::float64;
     t.stops.assign(all_stages.begin(), all_stages.end());
+    t.semi_implicit = true;
     return t;
   }();
   return traits;
@@ -59,9 +61,6 @@ const SolverTraits& OptimizedSolver<T>::traits() const {
 
 template <class T>
 void OptimizedSolver<T>::load(const Scene& scene, const State& state) {
-  if (scene.semi_implicit())
-    throw InputError("integrator.type", "not supported by solver optimized", "semi-implicit",
-                     "explicit");
   const Particles& p = state.particles;
   const std::size_t n = p.size();
   if (p.v.size() != n || p.m.size() != n || p.V_0.size() != n || p.F_E.size() != n ||
@@ -146,11 +145,13 @@ StepReport OptimizedSolver<T>::advance_through(Stage last, double dt) {
     // Up to the integration nothing but the estimated volumes has been written.
     error.state_intact = number(next_) <= number(Stage::integration) && !volumes_found_;
     next_ = Stage::rasterize;
+    solved_ = {};
     throw;
   }
   StepReport report;
   report.dt = dt;
   report.grid_nodes = grid_nodes();
+  report_solve(report);
   if (last == Stage::positions) finish_step();
   return report;
 }
@@ -174,6 +175,7 @@ void OptimizedSolver<T>::finish_step() {
   dt_ = 0;
   next_ = Stage::rasterize;
   volumes_found_ = false;
+  solved_ = {};
 }
 
 template <class T>
@@ -228,7 +230,8 @@ TimeStep OptimizedSolver<T>::choose_time_step() {
     if (dt < result.dt) result = {dt, bound};
   };
   limit(time.cfl * scene_->grid.spacing / std::sqrt(speed2), TimeStepBound::cfl);
-  limit(time.elastic_cfl * scene_->grid.spacing / std::sqrt(sound2), TimeStepBound::elastic_cfl);
+  if (!solves())
+    limit(time.elastic_cfl * scene_->grid.spacing / std::sqrt(sound2), TimeStepBound::elastic_cfl);
   return result;
 }
 
@@ -260,7 +263,7 @@ void OptimizedSolver<T>::load_restart(std::span<const std::byte> bytes) {
 
 template <class T>
 double OptimizedSolver<T>::bytes_per_particle() const {
-  std::size_t sum = particles_.bytes() + nodes_.bytes();
+  std::size_t sum = particles_.bytes() + nodes_.bytes() + implicit_.bytes();
   for (const ThreadMemory<T>& m : memory_) sum += m.bytes();
   return particles_.size() == 0 ? 0
                                 : static_cast<double>(sum) / static_cast<double>(particles_.size());
@@ -285,7 +288,7 @@ SolverEntry optimized_entry() {
   return {"optimized",
           "blocks, SIMD and threads: float or double, the same bits at any number of threads",
           {Precision::float64, Precision::float32},
-          false,
+          true,
           make_optimized_solver};
 }
 

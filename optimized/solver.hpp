@@ -6,6 +6,7 @@
 
 #include "firn/registry.hpp"
 #include "optimized/contact.hpp"
+#include "optimized/implicit/system.hpp"
 #include "optimized/kernel_table.hpp"
 #include "optimized/node_store.hpp"
 #include "optimized/particle_store.hpp"
@@ -28,6 +29,9 @@ struct ThreadMemory {
   void require(int particles, const KernelTable<T>& kernels);
   std::size_t bytes() const;
 };
+
+/// FIRN_PRECONDITIONER: "block" (the default) or "mass". InputError for anything else.
+bool block_preconditioner_from_environment();
 
 template <class T>
 class OptimizedSolver final : public Solver {
@@ -62,7 +66,7 @@ class OptimizedSolver final : public Solver {
   StepReport fused_step();
   void scatter_all();
   void sum_tiles(std::size_t n, ThreadMemory<T>& memory, NodeFields<T>& node) const;
-  void collide_nodes(std::size_t n, ThreadMemory<T>& memory, NodeFields<T>& node) const;
+  void collide_nodes(std::size_t n, ThreadMemory<T>& memory, NodeFields<T>& node);
   static std::int64_t count_nodes(const NodeFields<T>& node);
   Found update_all(int passes, bool collide);
   int update_block(std::size_t active, int passes, bool collide, ThreadMemory<T>& memory,
@@ -71,6 +75,12 @@ class OptimizedSolver final : public Solver {
   bool collide_particles(std::size_t active, ThreadMemory<T>& memory) const;
   void move_between_blocks();
   [[noreturn]] void fail(const Found& found);
+
+  // integration.cpp: step 6 of semi-implicit scenes.
+  bool solves() const { return scene_->semi_implicit(); }
+  void solve_implicit();
+  void pack_all();
+  void report_solve(StepReport& report) const;
 
   // staged.cpp: stage by stage, every field kept.
   void run(Stage stage);
@@ -93,6 +103,8 @@ class OptimizedSolver final : public Solver {
   ParticleStore<T> particles_;
   NodeStore<T> nodes_;
   Contacts contacts_;
+  ImplicitSystem<T> implicit_;
+  SolveReport solved_;  ///< of the step under way
   std::vector<ThreadMemory<T>> memory_;
 
   double time_ = 0, dt_ = 0;

@@ -37,6 +37,7 @@ void OptimizedSolver<T>::run(Stage stage) {
       require_finite(stage, &NodeFields<T>::v_star);
       break;
     case Stage::grid_collisions:
+      if (solves()) implicit_.release(nodes_.size());
 #pragma omp parallel for num_threads(threads_)
       for (int i = 0; i < n; ++i) {
         const auto k = static_cast<std::size_t>(i);
@@ -44,7 +45,10 @@ void OptimizedSolver<T>::run(Stage stage) {
       }
       require_finite(stage, &NodeFields<T>::v_star);
       break;
-    case Stage::integration: integration(); break;
+    case Stage::integration:
+      if (solves()) solve_implicit();
+      integration();
+      break;
     case Stage::deformation:
     case Stage::particle_velocities: {
       if (gathered_stale_) integration();
@@ -154,12 +158,7 @@ void OptimizedSolver<T>::grid_forces() {
 /// Step 6, explicit: v^{n+1} = v*; and what the gather reads.
 template <class T>
 void OptimizedSolver<T>::integration() {
-  const int n = static_cast<int>(nodes_.size());
-#pragma omp parallel for num_threads(threads_)
-  for (int i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    kernels_.pack_gathered(constants_, nodes_.fields(k), nodes_.gathered(k));
-  }
+  pack_all();
   gathered_stale_ = false;
   require_finite(Stage::integration, &NodeFields<T>::v_star);
 }
@@ -222,6 +221,7 @@ void OptimizedSolver<T>::load_grid(const Grid& grid) {
   nodes_.require_fields();
   for (std::size_t k = 0; k < nodes_.size(); ++k) nodes_.fields(k) = NodeFields<T>{};
   const bool integrated = number(next_) > number(Stage::integration);
+  if (solves()) implicit_.release(nodes_.size()), implicit_.remember_v_star(nodes_);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const std::int32_t at[3] = {grid.node[i].i, grid.node[i].j, grid.node[i].k};
     std::int32_t c[3];
@@ -238,7 +238,12 @@ void OptimizedSolver<T>::load_grid(const Grid& grid) {
       if (!grid.v.empty()) node.v[a][place] = static_cast<T>(grid.v[i][a]);
       if (!grid.f.empty()) node.f[a][place] = static_cast<T>(grid.f[i][a]);
       if (!v_star.empty()) node.v_star[a][place] = static_cast<T>(v_star[i][a]);
+      if (solves() && integrated && !grid.v_star.empty())
+        implicit_.v_star(static_cast<std::size_t>(n))[a * nodes_per_block + place] =
+            static_cast<T>(grid.v_star[i][a]);
     }
+    if (solves() && !grid.free_directions.empty() && !grid.free_directions[i].isIdentity(0))
+      implicit_.set_free_directions(static_cast<std::size_t>(n), place, grid.free_directions[i]);
   }
 }
 
@@ -268,7 +273,15 @@ void OptimizedSolver<T>::store_grid(Grid& grid) const {
     grid.m.push_back(static_cast<double>(node.m[p.node]));
     grid.v.push_back(vector(node.v));
     if (forces) grid.f.push_back(vector(node.f));
-    if (star) grid.v_star.push_back(vector(node.v_star));
+    if (star && solves() && integrated) {
+      const T* const v = implicit_.v_star(p.block) + p.node;
+      grid.v_star.emplace_back(static_cast<double>(v[0]), static_cast<double>(v[nodes_per_block]),
+                               static_cast<double>(v[2 * nodes_per_block]));
+    } else if (star) {
+      grid.v_star.push_back(vector(node.v_star));
+    }
+    if (solves() && number(next_) > number(Stage::grid_collisions))
+      grid.free_directions.push_back(implicit_.free_directions(p.block, p.node));
     if (integrated) grid.v_new.push_back(vector(node.v_star));
   }
 }

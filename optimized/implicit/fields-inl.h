@@ -1,0 +1,186 @@
+/// Work of the semi-implicit solve on the nodes of one node block: from tiles to planar
+/// fields, and the vector operations of MINRES. Inner products are Σ m a·b; each vector
+/// lane sums its own nodes, the lanes are added as doubles: the same order always.
+
+#if defined(FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_
+#undef FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_
+#else
+#define FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_
+#endif
+
+#include "optimized/grid-inl.h"
+#include "optimized/implicit/layout.hpp"
+#include "optimized/kernels/mat3-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace firn::optimized {
+namespace HWY_NAMESPACE {
+
+namespace kn = firn::kernels::HWY_NAMESPACE;
+
+/// A region of a tile with `rows` rows per stencil row added to a node block's sums
+/// [row][x][y][z][channel]; see add_tile in grid-inl.h.
+template <class T, int rows>
+void add_rows(const T* tile, const Region& region, T* sums) {
+  constexpr int R = tile_row_size<T>;
+  constexpr int xy_row = row_size<T>;
+  const bool whole_row = region.node[2] == 0 && region.tile[2] % 4 == 0 && region.size[2] >= 3;
+  for (int x = 0; x < region.size[0]; ++x)
+    for (int y = 0; y < region.size[1]; ++y) {
+      const T* from = tile + region.tile[2] * channels<T> +
+                      ((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows * R;
+      T* to = sums + (4 * (x + region.node[0]) + y + region.node[1]) * xy_row +
+              region.node[2] * channels<T>;
+      for (int r = 0; r < rows; ++r, from += R, to += 16 * xy_row) {
+        if (HWY_LIKELY(whole_row)) {
+          store_row(load_row(to) + load_row(from), to);
+        } else {
+          for (int i = 0; i < region.size[2] * channels<T>; ++i) to[i] += from[i];
+        }
+      }
+    }
+}
+
+/// The first `count` channels of the sums, each as a planar array.
+template <class T, int rows>
+HWY_INLINE void separate_rows(const T* sums, int count, T* planar) {
+  alignas(64) T unused[nodes_per_block];
+  for (int r = 0; r < rows; ++r) {
+    T* to[channels<T>];
+    for (int c = 0; c < channels<T>; ++c) {
+      const int k = r * channels<T> + c;
+      to[c] = k < count ? planar + k * nodes_per_block : unused;
+    }
+    separate(sums + r * 16 * row_size<T>, to);
+  }
+}
+
+template <class T>
+void planar_vector(const T* sums, T* field) {
+  separate_rows<T, force_rows<T>>(sums, 3, field);
+}
+
+/// A planar field interleaved as blocks gather it: [x][y][row][z][channel].
+template <class T>
+void pack_vector(const T* field, T* gathered) {
+  constexpr int C = channels<T>, rows = force_rows<T>;
+  for (int xy = 0; xy < 16; ++xy)
+    for (int r = 0; r < rows; ++r, gathered += row_size<T>)
+      for (int c = 0; c < C; ++c)
+        for (int z = 0; z < 4; ++z)
+          gathered[z * C + c] =
+              r * C + c < 3 ? field[(r * C + c) * nodes_per_block + 4 * xy + z] : T(0);
+}
+
+template <class T>
+HWY_INLINE double sum_of_lanes(const Vec<T>& v) {
+  const Lanes<T> d;
+  alignas(64) T lane[lane_count<T>];
+  hn::Store(v, d, lane);
+  double sum = 0;
+  for (int i = 0; i < lane_count<T>; ++i) sum += static_cast<double>(lane[i]);
+  return sum;
+}
+
+/// Calls f(place in the field, masses) for every vector of nodes and axis.
+template <class T, class F>
+HWY_INLINE void for_each_vector(const T* m, const F& f) {
+  const Lanes<T> d;
+  for (int a = 0; a < 3; ++a)
+    for (int i = 0; i < nodes_per_block; i += lane_count<T>)
+      f(a * nodes_per_block + i, hn::Load(d, m + i));
+}
+
+/// Divided by m, not multiplied by a reciprocal that may overflow.
+template <class T>
+double multiply(const T* y, const T* f, const T* m, double factor, double s, double ratio, T* z) {
+  const Lanes<T> d;
+  const auto factor_ = hn::Set(d, static_cast<T>(factor)), s_ = hn::Set(d, static_cast<T>(s));
+  const auto ratio_ = hn::Set(d, static_cast<T>(ratio));
+  auto sum = hn::Zero(d);
+  for_each_vector(m, [&](int i, const Vec<T>& mass) HWY_ATTR {
+    const auto y_i = hn::Load(d, y + i);
+    const auto acceleration = hn::Div(hn::Mul(factor_, hn::Load(d, f + i)), mass);
+    const auto By = where_mass<T>(mass, hn::Mul(s_, hn::Add(y_i, acceleration)));
+    const auto z_i = hn::NegMulAdd(ratio_, hn::Load(d, z + i), By);
+    hn::Store(z_i, d, z + i);
+    sum = hn::MulAdd(hn::Mul(mass, hn::Mul(s_, y_i)), z_i, sum);
+  });
+  return sum_of_lanes<T>(sum);
+}
+
+template <class T>
+void subtract(double c, const T* x, T* z) {
+  const Lanes<T> d;
+  const auto c_ = hn::Set(d, static_cast<T>(c));
+  for (int i = 0; i < field_size; i += lane_count<T>)
+    hn::Store(hn::NegMulAdd(c_, hn::Load(d, x + i), hn::Load(d, z + i)), d, z + i);
+}
+
+/// The symmetric matrix of vector i of a block.
+template <class T>
+HWY_INLINE kn::Sym3<Vec<T>> load_symmetric(const T* matrix, int i) {
+  const Lanes<T> d;
+  const auto at = [&](int k) HWY_ATTR { return hn::Load(d, matrix + k * nodes_per_block + i); };
+  return {at(0), at(1), at(2), at(3), at(4), at(5)};
+}
+
+template <class T>
+HWY_INLINE kn::Vec3<Vec<T>> load_field(const T* x, int i) {
+  const Lanes<T> d;
+  const auto at = [&](int k) HWY_ATTR { return hn::Load(d, x + k * nodes_per_block + i); };
+  return {{at(0), at(1), at(2)}};
+}
+
+template <class T>
+HWY_INLINE void store_field(const kn::Vec3<Vec<T>>& v, T* x, int i) {
+  const Lanes<T> d;
+  for (int a = 0; a < 3; ++a) hn::Store(v[a], d, x + a * nodes_per_block + i);
+}
+
+template <class T>
+double precondition(const T* inverse, const T* z, const T* m, T* y) {
+  const Lanes<T> d;
+  auto sum = hn::Zero(d);
+  for (int i = 0; i < nodes_per_block; i += lane_count<T>) {
+    const auto z_i = load_field(z, i);
+    const auto y_i = inverse != nullptr ? kn::mul(load_symmetric(inverse, i), z_i) : z_i;
+    store_field<T>(y_i, y, i);
+    sum = hn::MulAdd(hn::Load(d, m + i), kn::dot(z_i, y_i), sum);
+  }
+  return sum_of_lanes<T>(sum);
+}
+
+template <class T>
+double advance(const T* y, double s, double a, double b, double c, double step, double keep,
+               double lose, const T* z, const T* w, const T* m, T* w_last, T* x, T* r) {
+  const Lanes<T> d;
+  const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<T>(value)); };
+  const auto s_ = set(s / c), a_ = set(a / c), b_ = set(b / c), step_ = set(step),
+             keep_ = set(keep), lose_ = set(lose);
+  auto sum = hn::Zero(d);
+  for_each_vector(m, [&](int i, const Vec<T>& mass) HWY_ATTR {
+    auto w_new = hn::Mul(s_, hn::Load(d, y + i));
+    w_new = hn::NegMulAdd(a_, hn::Load(d, w_last + i), w_new);
+    w_new = hn::NegMulAdd(b_, hn::Load(d, w + i), w_new);
+    hn::Store(w_new, d, w_last + i);
+    hn::Store(hn::MulAdd(step_, w_new, hn::Load(d, x + i)), d, x + i);
+    const auto r_i = hn::NegMulAdd(lose_, hn::Load(d, z + i), hn::Mul(keep_, hn::Load(d, r + i)));
+    hn::Store(r_i, d, r + i);
+    sum = hn::MulAdd(hn::Mul(mass, r_i), r_i, sum);
+  });
+  return sum_of_lanes<T>(sum);
+}
+
+template <class T>
+void project(const T* projector, T* x) {
+  for (int i = 0; i < nodes_per_block; i += lane_count<T>)
+    store_field<T>(kn::mul(load_symmetric(projector, i), load_field(x, i)), x, i);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace firn::optimized
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

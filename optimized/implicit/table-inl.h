@@ -1,0 +1,50 @@
+/// The kernels of the semi-implicit solve for one instruction set, collected.
+
+#if defined(FIRN_OPTIMIZED_IMPLICIT_TABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef FIRN_OPTIMIZED_IMPLICIT_TABLE_INL_H_
+#undef FIRN_OPTIMIZED_IMPLICIT_TABLE_INL_H_
+#else
+#define FIRN_OPTIMIZED_IMPLICIT_TABLE_INL_H_
+#endif
+
+#include "optimized/implicit/kernel_table.hpp"
+#include "optimized/implicit/setup-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace firn::optimized {
+namespace HWY_NAMESPACE {
+
+template <class T, class S>
+HessianKernels<T, S> make_hessian_kernels() {
+  return {tile_nodes * vector_plane<T>,
+          16 * vector_rows<T> * row_size<T>,
+          16 * vector_rows<T> * row_size<T>,
+          &load_vectors<T>,
+          &load_vector_region<T>,
+          &vector_difference<T>,
+          &apply_hessian<T, S>,
+          &add_rows<T, vector_rows<T>>,
+          &planar_vector<T>,
+          &pack_vector<T>};
+}
+
+template <class T>
+FieldKernels<T> make_field_kernels() {
+  return {&multiply<T>, &subtract<T>, &precondition<T>, &advance<T>, &project<T>};
+}
+
+template <class S>
+SetupKernels<S> make_setup_kernels() {
+  return {&hessian_factors_of_block<S>,
+          tile_nodes * tile_nodes * stiffness_rows<S> * tile_row_size<S>,
+          16 * stiffness_rows<S> * row_size<S>,
+          &stiffness_of_block<S>,
+          &add_rows<S, stiffness_rows<S>>,
+          &invert_stiffness<S>};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace firn::optimized
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
