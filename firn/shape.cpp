@@ -62,8 +62,13 @@ Vec3 normal(const Box& b, const Vec3& x) {
   Vec3 outward;
   for (int axis = 0; axis < 3; ++axis)
     outward[axis] = x[axis] - b.max[axis] >= b.min[axis] - x[axis] ? 1 : -1;
-  int face = 0;
-  if (beyond.maxCoeff(&face) <= 0) return outward[face] * Vec3::Unit(face);
+  const double nearest_face = beyond.maxCoeff();
+  if (nearest_face <= 0) {
+    // Where several faces are equally near the normal is their mean: the choice of one would
+    // make a symmetric edge deflect to one side.
+    const Vec3 nearest = (beyond.array() == nearest_face).cast<double>();
+    return nearest.cwiseProduct(outward).normalized();
+  }
   return unit(beyond.cwiseMax(0.0).cwiseProduct(outward), Vec3::UnitZ());
 }
 
@@ -97,8 +102,10 @@ double distance(const Cylinder& c, const Vec3& x) {
 
 Vec3 normal(const Cylinder& c, const Vec3& x) {
   const CylinderPlace p = place(c, x);
-  if (p.beyond_cap <= 0 || p.beyond_side <= 0)
-    return p.beyond_side >= p.beyond_cap ? p.radial : p.axial;
+  if (p.beyond_cap <= 0 || p.beyond_side <= 0) {
+    if (p.beyond_side == p.beyond_cap) return (p.axial + p.radial).normalized();
+    return p.beyond_side > p.beyond_cap ? p.radial : p.axial;
+  }
   return unit(p.beyond_cap * p.axial + p.beyond_side * p.radial, p.radial);
 }
 

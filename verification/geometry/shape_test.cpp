@@ -230,9 +230,13 @@ TEST_P(AnalyticShape, BoundsHoldTheSolidAndTouchIt) {
 TEST(DegeneratePoints, HaveAFixedUnitNormal) {
   EXPECT_EQ(outward_normal(Sphere{Vec3(1, 1, 1), 1}, Vec3(1, 1, 1)), Vec3::UnitZ());
   const Shape cube = Box{Vec3::Zero(), Vec3::Constant(2)};
-  EXPECT_EQ(outward_normal(cube, Vec3(1, 1, 1)), Vec3::UnitX());
-  EXPECT_EQ(outward_normal(cube, Vec3(2, 2, 1)), Vec3::UnitX());   // on an edge
-  EXPECT_EQ(outward_normal(cube, Vec3(0, 0, 0)), -Vec3::UnitX());  // at a corner
+  // Equally near faces share the normal, so that a symmetric edge deflects to neither side.
+  EXPECT_EQ(outward_normal(cube, Vec3(1, 1, 1)), Vec3(1, 1, 1).normalized());
+  EXPECT_EQ(outward_normal(cube, Vec3(2, 2, 1)), Vec3(1, 1, 0).normalized());      // on an edge
+  EXPECT_EQ(outward_normal(cube, Vec3(1.5, 1.5, 1)), Vec3(1, 1, 0).normalized());  // below it
+  EXPECT_EQ(outward_normal(cube, Vec3(0, 0, 0)), Vec3(-1, -1, -1).normalized());   // at a corner
+  const Shape can = Cylinder{Vec3::Zero(), Vec3::UnitZ(), 1, 2};
+  EXPECT_EQ(outward_normal(can, Vec3(0.5, 0, 0.5)), Vec3(1, 0, 1).normalized());
   const Shape tube = Cylinder{Vec3::Zero(), Vec3(1, 2, 3), 1, 10};
   const Vec3 n = outward_normal(tube, Vec3::Zero());  // on the axis
   EXPECT_NEAR(n.norm(), 1, 4 * eps);

@@ -112,6 +112,10 @@ TEST(BuiltinScene, WedgeSplitsTheBall) {
   const double right = share(run.state.particles, [&](std::size_t p) { return x[p].z() < -0.1; });
   EXPECT_GT(left, 0.25);
   EXPECT_GT(right, 0.25);
+  // The scene is symmetric but for the jitter of 3000 particles: √3000/3000 is 2 %, and
+  // five seeds parted by at most as much. A normal that prefers one face of the edge
+  // showed up here as 39 : 59.
+  EXPECT_NEAR(left, right, 0.06);
   EXPECT_EQ(share(run.state.particles,
                   [&](std::size_t p) { return x[p].x() < -0.02 && x[p].z() < -0.02; }),
             0)
