@@ -27,8 +27,7 @@ double seconds_of(const ExactProblem& problem, Solver& solver, State& state) {
     if (interrupted()) throw Interrupted{};
     if (problem.body_force) {
       solver.store(state);
-      for (std::size_t p = 0; p < problem.X.size(); ++p)
-        state.particles.v[p] += dt * problem.body_force(problem.X[p], state.time);
+      problem.push(state);
       solver.load(problem.scene, state);
     }
     const double start = seconds_now();
