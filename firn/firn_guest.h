@@ -75,11 +75,16 @@ typedef struct firn_guest_scene {
   const firn_guest_material* materials;
   size_t collider_count;
   const firn_guest_collider* colliders; /* to be applied in this order */
-  /* Collider `index` at point x and time t. Valid until destroy(). */
+  /* Collider `index` at point x and time t. It, what it points to, and everything
+   * else in here is valid until the next load() or destroy(). */
   void (*contact)(void* host, size_t index, const double x[3], double t,
                   firn_guest_contact* result);
   void* host;       /* first argument of contact() */
   const char* toml; /* the whole scene as resolved TOML text */
+  double step;        /* fixed dt [s]; 0: chosen by choose_time_step(), by these limits: */
+  double max_step;    /* largest dt [s] */
+  double cfl;         /* dt <= cfl h / max |v_p| */
+  double elastic_cfl; /* dt <= elastic_cfl h / max c_p, explicit only */
 } firn_guest_scene;
 
 /* A simulation between two stages. Arrays belong to Firn and live for the call. */
@@ -138,7 +143,8 @@ typedef struct firn_guest_solver {
   const char* (*last_error)(void* self); /* one line; lives until the next call */
 
   int (*load)(void* self, const firn_guest_scene* scene, const firn_guest_state* state);
-  /* Dt by the scene's rule. NULL: only scenes with a fixed step are accepted. */
+  /* Dt by the scene's rule, in scenes without a fixed step. NULL: Firn applies the
+   * rule to what store() gives. */
   int (*choose_time_step)(void* self, double* dt);
   /* Every stage up to and including `last_stage`. */
   int (*advance_through)(void* self, int32_t last_stage, double dt, firn_guest_report* report);

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -17,40 +19,75 @@ namespace {
 
 constexpr int channel_in_child = 3;
 
-/// In the child, between fork and exec: only async-signal-safe calls.
-[[noreturn]] void become(const std::vector<char*>& argv, int channel, int report_errno_to) {
+/// Whatever happens to it, the child must not take Firn or the machine along.
+void confine(std::uint64_t most_bytes) {
   setpgid(0, 0);
-  dup2(STDERR_FILENO, STDOUT_FILENO);
-  if (channel >= 0 && channel != channel_in_child) dup2(channel, channel_in_child);
-  if (channel == channel_in_child) fcntl(channel, F_SETFD, 0);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const rlimit no_core = {0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  if (most_bytes > 0) {
+    const rlimit file_size = {most_bytes, most_bytes};
+    setrlimit(RLIMIT_FSIZE, &file_size);
+  }
+  const int score = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (score >= 0 && write(score, "1000", 4) < 0) close(score);
+}
+
+/// In the child, between fork and exec: only async-signal-safe calls.
+[[noreturn]] void become(const std::vector<char*>& argv, const ChildOptions& options, int output,
+                         int report_errno_to) {
+  confine(options.most_bytes);
+  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  dup2(nothing, STDIN_FILENO);
+  dup2(output, STDOUT_FILENO);
+  dup2(output, STDERR_FILENO);
+  if (options.channel >= 0 && options.channel != channel_in_child)
+    dup2(options.channel, channel_in_child);
+  if (options.channel == channel_in_child) fcntl(options.channel, F_SETFD, 0);
+  signal(SIGPIPE, SIG_DFL);
   execvp(argv[0], argv.data());
   const int error = errno;
   if (write(report_errno_to, &error, sizeof error) < 0) _exit(126);
   _exit(127);
 }
 
+struct Pipe {
+  int reader = -1, writer = -1;
+};
+
+/// Both ends are closed by exec, and kept away from descriptor 3, which the child
+/// overwrites.
+Pipe make_pipe(const std::string& program) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    throw InputError(program + ": cannot make a pipe: " + std::strerror(errno));
+  const Pipe pipe = {fcntl(ends[0], F_DUPFD_CLOEXEC, 10), fcntl(ends[1], F_DUPFD_CLOEXEC, 10)};
+  close(ends[0]);
+  close(ends[1]);
+  if (pipe.reader < 0 || pipe.writer < 0)
+    throw InputError(program + ": cannot make a pipe: " + std::strerror(errno));
+  return pipe;
+}
+
 }  // namespace
 
-ChildProcess::ChildProcess(const std::vector<std::string>& words, int channel) {
+ChildProcess::ChildProcess(const std::vector<std::string>& words, const ChildOptions& options) {
   std::vector<std::string> copies = words;
   std::vector<char*> argv;
   for (std::string& word : copies) argv.push_back(word.data());
   argv.push_back(nullptr);
 
-  // A pipe that exec closes: what comes through it is the reason why exec failed.
-  // Its ends are kept away from descriptor 3, which the child overwrites.
-  int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0)
-    throw InputError(words[0] + ": cannot make a pipe: " + std::strerror(errno));
-  const int writer = fcntl(ends[1], F_DUPFD_CLOEXEC, 10);
-  close(ends[1]);
+  // Through the first pipe comes the reason why exec failed, or nothing.
+  const Pipe failure = make_pipe(words[0]), output = make_pipe(words[0]);
   pid_ = fork();
-  if (pid_ == 0) become(argv, channel, writer);
+  if (pid_ == 0) become(argv, options, output.writer, failure.writer);
   const int fork_error = errno;
-  close(writer);
+  close(failure.writer);
+  close(output.writer);
+  output_ = std::make_unique<OutputRelay>(output.reader);
   int error = 0;
-  const ssize_t got = pid_ > 0 ? read(ends[0], &error, sizeof error) : 0;
-  close(ends[0]);
+  const ssize_t got = pid_ > 0 ? read(failure.reader, &error, sizeof error) : 0;
+  close(failure.reader);
   if (pid_ < 0)
     throw InputError(words[0] + ": cannot start a process: " + std::strerror(fork_error));
   if (got == static_cast<ssize_t>(sizeof error)) {
@@ -61,13 +98,16 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, int channel) {
 }
 
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), status_(other.status_) {}
+    : pid_(std::exchange(other.pid_, -1)),
+      status_(other.status_),
+      output_(std::move(other.output_)) {}
 
 ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
   if (this != &other) {
     kill_group();
     pid_ = std::exchange(other.pid_, -1);
     status_ = other.status_;
+    output_ = std::move(other.output_);
   }
   return *this;
 }
@@ -80,6 +120,7 @@ bool ChildProcess::wait_until(Clock::time_point deadline) {
     if (ended == pid_) {
       kill(-pid_, SIGKILL);  // what it may have left behind
       pid_ = -1;
+      output_->stop();
       return true;
     }
     if (Clock::now() >= deadline) return false;
@@ -99,13 +140,16 @@ void ChildProcess::kill_group() {
 bool ChildProcess::succeeded() const { return WIFEXITED(status_) && WEXITSTATUS(status_) == 0; }
 
 std::string ChildProcess::how_it_ended() const {
-  if (WIFEXITED(status_)) return "exit status " + std::to_string(WEXITSTATUS(status_));
-  if (WIFSIGNALED(status_)) {
-    std::string text = "killed by signal ";
+  std::string text;
+  if (WIFEXITED(status_)) {
+    text = "exit status ";
+    text += std::to_string(WEXITSTATUS(status_));
+  } else {
+    text = "killed by signal ";
     text += std::to_string(WTERMSIG(status_)) + " (" + strsignal(WTERMSIG(status_)) + ")";
-    return text;
   }
-  return "still running";
+  if (output_ && !output_->last_line().empty()) text += ", its last line: " + output_->last_line();
+  return text;
 }
 
 }  // namespace firn::guest

@@ -8,10 +8,12 @@
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
+#include "io/scene/one_line.hpp"
 #include "io/scene/scene_file.hpp"
-#include "io/trajectory_reader.hpp"
 #include "io/trajectory_writer.hpp"
-#include "verification/guests/child_process.hpp"
+#include "verification/guests/finite.hpp"
+#include "verification/guests/runner_process.hpp"
+#include "verification/guests/time_step.hpp"
 
 namespace firn::guest {
 
@@ -107,12 +109,7 @@ void CommandSolver::load(const Scene& scene, const State& state) {
   state_.grid.clear();
 }
 
-TimeStep CommandSolver::choose_time_step() {
-  if (scene_->time.adaptive)
-    throw InputError("time", "adaptive step with solver " + traits_.name,
-                     "max_step, cfl, elastic_cfl", "a fixed step");
-  return {scene_->time.step, TimeStepBound::fixed};
-}
+TimeStep CommandSolver::choose_time_step() { return time_step_by_rule(*scene_, state_.particles); }
 
 StepReport CommandSolver::advance_through(Stage last, double dt) {
   if (last != Stage::positions)
@@ -123,6 +120,11 @@ StepReport CommandSolver::advance_through(Stage last, double dt) {
   StepReport report;
   report.dt = dt;
   return report;
+}
+
+Diagnostics CommandSolver::diagnostics() const {
+  if (const auto fault = not_finite(state_.particles)) fail(*fault);
+  return measure(*scene_, state_);
 }
 
 void CommandSolver::write_input(double dt) const {
@@ -150,28 +152,23 @@ void CommandSolver::run_command() const {
     word = replaced(word, "{out}", (folder_ / output_name).string());
     word = replaced(word, "{steps}", "1");
   }
-  ChildProcess process(words, -1);
-  const auto limit = std::chrono::duration_cast<Clock::duration>(
-      std::chrono::duration<double>(guest_options_.time_limit));
-  if (!process.wait_until(Clock::now() + limit))
+  ChildOptions options;
+  // One state, with room for whatever else the guest keeps.
+  options.most_bytes = (std::uint64_t{1} << 30) + 4096 * state_.particles.size();
+  ChildProcess process(words, options);
+  if (!process.wait_until(deadline_after(guest_options_.time_limit)))
     fail("did not end within " + to_text(guest_options_.time_limit) + " s");
   if (!process.succeeded()) fail("ended: " + process.how_it_ended());
 }
 
 void CommandSolver::read_output(double dt) {
   const std::filesystem::path path = folder_ / output_name;
-  if (!std::filesystem::exists(path)) fail("wrote no file at {out}");
-  State stored;
-  try {
-    const TrajectoryReader reader(path);
-    if (reader.frames() < 1) fail("wrote a trajectory without a frame");
-    stored = reader.read_frame_unchecked(reader.frames() - 1);
-  } catch (const InputError& error) {
-    fail(std::string("wrote what is no trajectory: ") + error.what());
-  }
-  if (stored.particles.size() != state_.particles.size())
-    fail("gave back " + std::to_string(stored.particles.size()) + " particles of " +
-         std::to_string(state_.particles.size()));
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) fail("wrote no file at {out}");
+  // Anything else, such as a pipe, could make its reader wait forever.
+  if (!std::filesystem::is_regular_file(status)) fail("put something at {out} that is no file");
+  State stored = read_trajectory(path);
   if (stored.particles.id != state_.particles.id)
     fail("gave the particles back with other ids or in another order");
   // Material indices mean the scene's; time and step are Firn's own count.
@@ -179,6 +176,23 @@ void CommandSolver::read_output(double dt) {
   stored.time = state_.time + dt;
   stored.step = state_.step + 1;
   state_ = std::move(stored);
+}
+
+State CommandSolver::read_trajectory(const std::filesystem::path& path) const {
+  const double limit = guest_options_.time_limit;
+  const std::size_t particles = state_.particles.size();
+  RunnerProcess reader({"--read", path.string(), std::to_string(particles)});
+  try {
+    Packet answer = reader.ask(Packet(Kind::store), limit, largest_packet(particles));
+    if (answer.kind == Kind::failure)
+      fail("wrote what is no trajectory: " +
+           one_line(replaced(answer.get_text(), path.string(), "{out}"), 500));
+    State state = get_state(answer);
+    answer.expect_end();
+    return state;
+  } catch (const ChannelError& error) {
+    fail("wrote a file on which HDF5 fails: its reader " + reader.what_happened(error, limit));
+  }
 }
 
 void CommandSolver::fail(const std::string& what) const {

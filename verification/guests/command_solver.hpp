@@ -12,7 +12,8 @@ namespace firn::guest {
 
 /// Each step runs the command once: {in} is a trajectory whose last frame is the
 /// state and whose attribute `scene` states a fixed step (the Δt to take), {out}
-/// the file to write, {steps} how many steps (1). Stops only between steps.
+/// the file to write, {steps} how many steps (1). Stops only between steps. The
+/// file is read in a process of its own: HDF5 may crash on bytes that are none.
 class CommandSolver : public Solver {
  public:
   CommandSolver(const std::string& command, const SolverOptions& options,
@@ -24,11 +25,13 @@ class CommandSolver : public Solver {
   TimeStep choose_time_step() override;
   StepReport advance_through(Stage last, double dt) override;
   void store(State& state) const override { state = state_; }
+  Diagnostics diagnostics() const override;
 
  private:
   void write_input(double dt) const;
   void run_command() const;
   void read_output(double dt);
+  State read_trajectory(const std::filesystem::path& path) const;
   [[noreturn]] void fail(const std::string& what) const;
 
   std::vector<std::string> words_;

@@ -1,51 +1,20 @@
 #include "verification/guests/library_solver.hpp"
 
-#include <cerrno>
 #include <cmath>
-#include <cstdlib>
-#include <fcntl.h>
 #include <filesystem>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "firn/error.hpp"
+#include "io/scene/one_line.hpp"
+#include "verification/guests/finite.hpp"
+#include "verification/guests/time_step.hpp"
 
 namespace firn::guest {
 
 namespace {
 
-Clock::time_point deadline_after(double seconds) {
-  return Clock::now() +
-         std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-SolverTraits read_traits(Packet& answer, Precision precision) {
-  SolverTraits traits;
-  traits.name = answer.get_text();
-  traits.precision = precision;
-  const bool supports_float = answer.get<std::int32_t>() != 0;
-  traits.semi_implicit = answer.get<std::int32_t>() != 0;
-  std::vector<std::int32_t> stops;
-  answer.get_all(stops);
-  answer.expect_end();
-  if (precision == Precision::float32 && !supports_float)
-    throw InputError("--precision", "not supported by guest " + traits.name, "float", "double");
-  for (const std::int32_t stop : stops) {
-    const bool ascending = traits.stops.empty() || number(traits.stops.back()) < stop;
-    if (stop < 1 || stop > stage_count || !ascending)
-      throw InputError("guest " + traits.name, "list of stops", std::to_string(stop),
-                       "stages 1 to 10, ascending");
-    traits.stops.push_back(static_cast<Stage>(stop));
-  }
-  if (traits.stops.empty() || traits.stops.back() != Stage::positions)
-    throw InputError("guest " + traits.name, "last stop",
-                     traits.stops.empty() ? "none" : std::string(name(traits.stops.back())),
-                     "positions");
-  return traits;
-}
-
 /// Sizes that Firn relies on; what is in the arrays is for `check` to judge.
-void require_shape(const State& state, std::size_t particles, const std::string& who) {
+void require_shape(const State& state, std::size_t particles, std::size_t materials,
+                   const std::string& who) {
   const Particles& p = state.particles;
   const Grid& g = state.grid;
   const auto require = [&](bool right, const char* what) {
@@ -59,17 +28,12 @@ void require_shape(const State& state, std::size_t particles, const std::string&
   require(fits(g.m.size()) && fits(g.v.size()) && fits(g.f.size()) && fits(g.v_star.size()) &&
               fits(g.free_directions.size()) && fits(g.v_new.size()),
           "node arrays of different lengths");
+  for (const std::int32_t material : p.material)
+    require(material >= 0 && static_cast<std::size_t>(material) < materials,
+            "a particle a material that does not exist");
 }
 
 }  // namespace
-
-std::string runner_path() {
-  if (const char* path = std::getenv("FIRN_GUEST_RUNNER"); path != nullptr && *path != '\0')
-    return path;
-  std::error_code error;
-  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
-  return (error ? std::filesystem::path(".") : self.parent_path()) / "firn-guest";
-}
 
 LibrarySolver::LibrarySolver(std::string path, const SolverOptions& options,
                              const GuestOptions& guest_options)
@@ -81,28 +45,13 @@ LibrarySolver::LibrarySolver(std::string path, const SolverOptions& options,
   start();
 }
 
-LibrarySolver::~LibrarySolver() { stop(); }
+LibrarySolver::~LibrarySolver() = default;
 
 void LibrarySolver::start() {
-  stop();
-  int ends[2];
-  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    throw InputError("--solver", "socket pair", std::strerror(errno), "room for two descriptors");
-  socket_ = ends[0];
+  process_ = RunnerProcess({path_, options_.precision == Precision::float32 ? "float" : "double",
+                            std::to_string(options_.threads)});
   try {
-    process_ = ChildProcess(
-        {runner_path(), path_, options_.precision == Precision::float32 ? "float" : "double",
-         std::to_string(options_.threads)},
-        ends[1]);
-  } catch (...) {
-    close(ends[1]);
-    stop();
-    throw;
-  }
-  close(ends[1]);
-  try {
-    Packet answer = ask(Packet(Kind::traits), Stage::rasterize);
-    traits_ = read_traits(answer, options_.precision);
+    take_traits(ask(Packet(Kind::traits), Stage::rasterize));
   } catch (const SimulationError& error) {
     throw InputError(std::string("--solver: ") + error.what());
   } catch (const ChannelError& error) {
@@ -110,10 +59,30 @@ void LibrarySolver::start() {
   }
 }
 
-void LibrarySolver::stop() const {
-  if (socket_ >= 0) close(socket_);
-  socket_ = -1;
-  process_.kill_group();
+void LibrarySolver::take_traits(Packet answer) {
+  SolverTraits traits;
+  traits.name = one_line(answer.get_text(), 80);
+  traits.precision = options_.precision;
+  const bool supports_float = answer.get<std::int32_t>() != 0;
+  traits.semi_implicit = answer.get<std::int32_t>() != 0;
+  chooses_time_step_ = answer.get<std::int32_t>() != 0;
+  std::vector<std::int32_t> stops;
+  answer.get_all(stops);
+  answer.expect_end();
+  if (traits.precision == Precision::float32 && !supports_float)
+    throw InputError("--precision", "not supported by guest " + traits.name, "float", "double");
+  for (const std::int32_t stop : stops) {
+    const bool ascending = traits.stops.empty() || number(traits.stops.back()) < stop;
+    if (stop < 1 || stop > stage_count || !ascending)
+      throw InputError("guest " + path_, "list of stops", std::to_string(stop),
+                       "stages 1 to 10, ascending");
+    traits.stops.push_back(static_cast<Stage>(stop));
+  }
+  if (traits.stops.empty() || traits.stops.back() != Stage::positions)
+    throw InputError("guest " + path_, "last stop",
+                     traits.stops.empty() ? "none" : std::string(name(traits.stops.back())),
+                     "positions");
+  traits_ = traits;
 }
 
 void LibrarySolver::load(const Scene& scene, const State& state) {
@@ -135,6 +104,11 @@ TimeStep LibrarySolver::choose_time_step() {
   if (!scene_->time.adaptive) {
     chosen.dt = scene_->time.step;
     return chosen;
+  }
+  if (!chooses_time_step_) {
+    State state;
+    store(state);
+    return time_step_by_rule(*scene_, state.particles);
   }
   try {
     Packet answer = ask(Packet(Kind::choose_time_step), Stage::rasterize);
@@ -175,25 +149,26 @@ void LibrarySolver::store(State& state) const {
     Packet answer = ask(Packet(Kind::store), next_);
     state = get_state(answer);
     answer.expect_end();
-    require_shape(state, particles_, "it");
+    require_shape(state, particles_, scene_->materials.size(), "it");
   } catch (const ChannelError& error) {
     blame(error, next_);
   }
 }
 
+Diagnostics LibrarySolver::diagnostics() const {
+  State state;
+  store(state);
+  if (const auto fault = not_finite(state.particles)) fail(Stage::positions, *fault);
+  return measure(*scene_, state);
+}
+
 Packet LibrarySolver::ask(const Packet& question, Stage stage) const {
-  if (socket_ < 0) fail(stage, "is not running any more");
+  if (!process_.running()) fail(stage, "is not running any more");
   try {
-    const Clock::time_point deadline = deadline_after(guest_options_.time_limit);
-    send(socket_, question, deadline);
-    Packet answer = receive(socket_, deadline);
-    if (answer.kind == Kind::failure) {
-      // It said so itself; its process is sound and may be loaded again.
+    Packet answer = process_.ask(question, guest_options_.time_limit, largest_packet(particles_));
+    if (answer.kind == Kind::failure)  // it said so itself; its process is sound
       throw SimulationError(stage, SimulationError::Subject::solver, -1,
-                            "guest " + path_ + ": " + answer.get_text());
-    }
-    if (answer.kind != Kind::answer)
-      throw ChannelError(ChannelError::Reason::malformed, "an answer of no known kind");
+                            "guest " + path_ + ": " + one_line(answer.get_text(), 500));
     return answer;
   } catch (const ChannelError& error) {
     blame(error, stage);
@@ -201,15 +176,11 @@ Packet LibrarySolver::ask(const Packet& question, Stage stage) const {
 }
 
 void LibrarySolver::blame(const ChannelError& error, Stage stage) const {
-  if (error.reason == ChannelError::Reason::timeout)
-    fail(stage, "gave no answer within " + to_text(guest_options_.time_limit) + " s");
-  if (error.reason == ChannelError::Reason::closed && process_.wait_until(deadline_after(5)))
-    fail(stage, "ended: " + process_.how_it_ended());
-  fail(stage, std::string("broke the protocol: ") + error.what());
+  fail(stage, process_.what_happened(error, guest_options_.time_limit));
 }
 
 void LibrarySolver::fail(Stage stage, const std::string& what) const {
-  stop();
+  process_.stop();
   throw SimulationError(stage, SimulationError::Subject::solver, -1, "guest " + path_ + " " + what);
 }
 

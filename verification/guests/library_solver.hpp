@@ -5,9 +5,8 @@
 #include <string>
 
 #include "firn/solver.hpp"
-#include "verification/guests/child_process.hpp"
 #include "verification/guests/guests.hpp"
-#include "verification/guests/packet.hpp"
+#include "verification/guests/runner_process.hpp"
 
 namespace firn::guest {
 
@@ -21,10 +20,11 @@ class LibrarySolver : public Solver {
   TimeStep choose_time_step() override;
   StepReport advance_through(Stage last, double dt) override;
   void store(State& state) const override;
+  Diagnostics diagnostics() const override;
 
  private:
   void start();
-  void stop() const;
+  void take_traits(Packet answer);
   Packet ask(const Packet& question, Stage stage) const;
   [[noreturn]] void blame(const ChannelError& error, Stage stage) const;
   [[noreturn]] void fail(Stage stage, const std::string& what) const;
@@ -35,12 +35,9 @@ class LibrarySolver : public Solver {
   SolverTraits traits_;
   std::size_t particles_ = 0;
   Stage next_ = Stage::rasterize;
+  bool chooses_time_step_ = false;
   // A guest that misbehaves is ended at once, also from store().
-  mutable ChildProcess process_;
-  mutable int socket_ = -1;
+  mutable RunnerProcess process_;
 };
-
-/// The program `firn-guest`: FIRN_GUEST_RUNNER in the environment, else beside this program.
-std::string runner_path();
 
 }  // namespace firn::guest

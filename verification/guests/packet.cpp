@@ -15,9 +15,6 @@ struct Header {
   std::uint64_t size = 0;
 };
 
-/// More than any state that fits into the machine this runs on.
-constexpr std::uint64_t largest_packet = std::uint64_t{1} << 40;
-
 /// Waits until the socket is ready for `events`.
 void wait_for(int socket, short events, Clock::time_point deadline) {
   for (;;) {
@@ -161,13 +158,26 @@ void send(int socket, const Packet& packet, Clock::time_point deadline) {
   send_bytes(socket, packet.bytes().data(), packet.bytes().size(), deadline);
 }
 
-Packet receive(int socket, Clock::time_point deadline) {
+std::uint64_t largest_packet(std::size_t particles) {
+  constexpr std::uint64_t scene_text = std::uint64_t{64} << 20;
+  constexpr std::uint64_t particle = (3 + 3 + 1 + 1 + 9 + 9 + 1 + 1) * 8;
+  constexpr std::uint64_t node = (2 + 1 + 3 + 3 + 3 + 9 + 3) * 8;
+  return scene_text + (particles + 1) * (particle + 64 * node);
+}
+
+Packet receive(int socket, Clock::time_point deadline, std::uint64_t most_bytes) {
   Header header;
   receive_bytes(socket, &header, sizeof header, deadline);
-  if (header.magic != Header().magic || header.size > largest_packet)
+  if (header.magic != Header().magic || header.size > most_bytes)
     throw ChannelError(ChannelError::Reason::malformed, "something that is no message");
-  std::vector<std::byte> bytes(static_cast<std::size_t>(header.size));
-  receive_bytes(socket, bytes.data(), bytes.size(), deadline);
+  // A slice at a time: memory is taken for what has come, not for what was announced.
+  constexpr std::uint64_t slice = 1 << 24;
+  std::vector<std::byte> bytes;
+  while (bytes.size() < header.size) {
+    const std::size_t have = bytes.size();
+    bytes.resize(static_cast<std::size_t>(std::min(header.size, have + slice)));
+    receive_bytes(socket, bytes.data() + have, bytes.size() - have, deadline);
+  }
   return Packet(static_cast<Kind>(header.kind), std::move(bytes));
 }
 

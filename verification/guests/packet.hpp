@@ -86,8 +86,12 @@ class Packet {
 void put_state(Packet& packet, const State& state);
 State get_state(Packet& packet);
 
+/// No packet about so many particles is longer: a state, with as many nodes as the cubic
+/// kernel can reach, or a text.
+std::uint64_t largest_packet(std::size_t particles);
+
 /// Sends or receives one packet over the socket before the deadline.
 void send(int socket, const Packet& packet, Clock::time_point deadline);
-Packet receive(int socket, Clock::time_point deadline);
+Packet receive(int socket, Clock::time_point deadline, std::uint64_t most_bytes);
 
 }  // namespace firn::guest

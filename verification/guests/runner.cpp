@@ -1,6 +1,8 @@
-/// firn-guest LIBRARY double|float THREADS: the process in which a guest's
-/// shared library lives. It answers questions on file descriptor 3 until that is
-/// closed. Whatever the library does, it does here.
+/// What is not trusted, in a process of its own. It answers questions on file
+/// descriptor 3 until that is closed.
+///
+///     firn-guest LIBRARY double|float THREADS   the guest's shared library lives here
+///     firn-guest --read FILE PARTICLES          reads the trajectory that a guest wrote
 
 #include <chrono>
 #include <cmath>
@@ -15,6 +17,7 @@
 #include "firn/firn_guest.h"
 #include "firn/scene.hpp"
 #include "io/scene/scene_file.hpp"
+#include "io/trajectory_reader.hpp"
 #include "verification/guests/packet.hpp"
 
 namespace firn::guest {
@@ -51,6 +54,10 @@ class GuestScene {
     view_.contact = &GuestScene::contact;
     view_.host = this;
     view_.toml = scene_.toml.c_str();
+    view_.step = scene_.time.adaptive ? 0 : scene_.time.step;
+    view_.max_step = scene_.time.max_step;
+    view_.cfl = scene_.time.cfl;
+    view_.elastic_cfl = scene_.time.elastic_cfl;
   }
   GuestScene(const GuestScene&) = delete;
   GuestScene& operator=(const GuestScene&) = delete;
@@ -194,6 +201,7 @@ class Runner {
     packet.put(std::string(table_->name ? table_->name : "unnamed"));
     packet.put(table_->supports_float);
     packet.put(table_->supports_semi_implicit);
+    packet.put(static_cast<std::int32_t>(table_->choose_time_step != nullptr));
     packet.put_all(std::vector<std::int32_t>(table_->stops, table_->stops + table_->stop_count));
     return packet;
   }
@@ -201,7 +209,9 @@ class Runner {
   Packet load(Packet& question) {
     const std::string toml = question.get_text();
     state_ = get_state(question);
-    scene_ = std::make_unique<GuestScene>(parse_scene(toml, "scene", "."));
+    // `check` loads the same scene before every stage, and a mesh takes long to read.
+    if (!scene_ || toml != scene_->view()->toml)
+      scene_ = std::make_unique<GuestScene>(parse_scene(toml, "scene", "."));
     transpose(state_);
     const firn_guest_state view = view_of(state_);
     require(table_->load(self_, scene_->view(), &view), "load");
@@ -209,8 +219,6 @@ class Runner {
   }
 
   Packet choose_time_step() const {
-    if (table_->choose_time_step == nullptr)
-      throw std::runtime_error("it has no choose_time_step(): only scenes with a fixed step");
     double dt = 0;
     require(table_->choose_time_step(self_, &dt), "choose_time_step");
     Packet packet(Kind::answer);
@@ -240,6 +248,7 @@ class Runner {
                                ", at most 64 a particle are possible");
     State stored = poisoned(state_, nodes);
     firn_guest_state view = view_of(stored);
+    view.next_stage = 0;
     require(table_->store(self_, &view), "store");
     stored.time = view.time;
     stored.dt = view.dt;
@@ -267,11 +276,13 @@ const firn_guest_solver* open_library(const char* path) {
   if (symbol == nullptr) throw std::runtime_error("it does not export " FIRN_GUEST_ENTRY_NAME "()");
   const auto* table = reinterpret_cast<firn_guest_entry_function>(symbol)();
   if (table == nullptr) throw std::runtime_error(FIRN_GUEST_ENTRY_NAME "() returned NULL");
-  if (table->abi_version != FIRN_GUEST_ABI_VERSION ||
-      table->struct_size != sizeof(firn_guest_solver))
+  if (table->abi_version != FIRN_GUEST_ABI_VERSION)
     throw std::runtime_error("it was built for version " + std::to_string(table->abi_version) +
                              " of the ABI, this is version " +
                              std::to_string(FIRN_GUEST_ABI_VERSION));
+  if (table->struct_size != sizeof(firn_guest_solver))
+    throw std::runtime_error("its struct_size is " + std::to_string(table->struct_size) +
+                             ", this version's is " + std::to_string(sizeof(firn_guest_solver)));
   if (!table->create || !table->destroy || !table->last_error || !table->load ||
       !table->advance_through || !table->node_count || !table->store || !table->stops)
     throw std::runtime_error("a required function of its table is NULL");
@@ -281,25 +292,42 @@ const firn_guest_solver* open_library(const char* path) {
 /// The channel stays open for as long as Firn wants: no deadline on this side.
 Clock::time_point forever() { return Clock::now() + std::chrono::hours(24 * 365); }
 
-int serve(const char* library, bool float_precision, int threads) {
-  std::unique_ptr<Runner> runner;
-  std::string broken;  // why there is no runner
-  try {
-    runner = std::make_unique<Runner>(open_library(library), float_precision, threads);
-  } catch (const std::exception& error) {
-    broken = error.what();
-  }
+/// Answers every question by `answer`, an exception by its text.
+template <class Answer>
+[[noreturn]] void serve(Answer answer) {
+  constexpr std::uint64_t anything = std::uint64_t{1} << 40;  // Firn's own words are trusted
   for (;;) {
-    Packet question = receive(channel, forever());
+    Packet question = receive(channel, forever(), anything);
     Packet reply(Kind::failure);
     try {
-      if (!runner) throw std::runtime_error(broken);
-      reply = runner->answer(question);
+      reply = answer(question);
     } catch (const std::exception& error) {
       reply.put(std::string(error.what()));
     }
     send(channel, reply, forever());
   }
+}
+
+[[noreturn]] void serve_library(const char* library, bool float_precision, int threads) {
+  std::unique_ptr<Runner> runner;
+  serve([&](Packet& question) {
+    if (!runner) runner = std::make_unique<Runner>(open_library(library), float_precision, threads);
+    return runner->answer(question);
+  });
+}
+
+[[noreturn]] void serve_trajectory(const char* path, std::size_t particles) {
+  serve([&](Packet&) {
+    const TrajectoryReader reader(path);
+    const std::int64_t last = reader.frames() - 1;
+    if (last < 0) throw std::runtime_error("no frame in it");
+    if (static_cast<std::size_t>(reader.particles(last)) != particles)
+      throw std::runtime_error(std::to_string(reader.particles(last)) + " particles of " +
+                               std::to_string(particles));
+    Packet packet(Kind::answer);
+    put_state(packet, reader.read_frame_unchecked(last));
+    return packet;
+  });
 }
 
 }  // namespace
@@ -311,8 +339,12 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "firn-guest is started by firn: firn check SCENE --solver ./LIBRARY.so\n");
     return 2;
   }
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // what the guest prints is not lost when it crashes
   try {
-    return firn::guest::serve(argv[1], std::string(argv[2]) == "float", std::atoi(argv[3]));
+    const std::string first = argv[1], second = argv[2];
+    if (first == "--read")
+      firn::guest::serve_trajectory(argv[2], std::strtoull(argv[3], nullptr, 10));
+    firn::guest::serve_library(argv[1], second == "float", std::atoi(argv[3]));
   } catch (const firn::guest::ChannelError& error) {
     return error.reason == firn::guest::ChannelError::Reason::closed ? 0 : 3;
   }
