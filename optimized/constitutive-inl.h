@@ -1,5 +1,8 @@
 /// Stress and return map of a vector of particles, put together from
 /// optimized/kernels: what a lane gets never depends on its neighbours.
+///
+/// The bodies are written for a tag D as those are: one vector, or two side by side
+/// (PairOf), of which one computes while the other waits for its roots and divisions.
 
 #if defined(FIRN_OPTIMIZED_CONSTITUTIVE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FIRN_OPTIMIZED_CONSTITUTIVE_INL_H_
@@ -20,68 +23,89 @@ namespace HWY_NAMESPACE {
 namespace kn = firn::kernels::HWY_NAMESPACE;
 
 /// What stage 7 changes in a particle, and the stress that follows from it.
-template <class T>
+template <class V>
 struct Deformation {
-  kn::Mat3<Vec<T>> E_E, E_P;  ///< F_E − I, F_P − I
-  Vec<T> stiffness;           ///< 2 μ V_p0 with μ = μ_0 e^{ξ(1−J_P)}
-  kn::Sym3<Vec<T>> tau;       ///< V_p0 P F_Eᵀ
+  kn::Mat3<V> E_E, E_P;  ///< F_E − I, F_P − I
+  V stiffness;           ///< 2 μ V_p0 with μ = μ_0 e^{ξ(1−J_P)}
+  kn::Sym3<V> tau;       ///< V_p0 P F_Eᵀ
 };
 
 /// 2 μ V_p0 with μ = μ_0 e^{ξ(1−J_P)}.
-template <class T>
-HWY_INLINE Vec<T> stiffness(const MaterialConstants<T>& m, const Vec<T>& V_0,
-                            const kn::Mat3<Vec<T>>& E_P) {
-  const Lanes<T> d;
-  const auto exponent = hn::Mul(hn::Set(d, -m.hardening), kn::det_minus_one(E_P));
-  return hn::Mul(hn::Mul(hn::Set(d, m.two_mu_0), V_0), kn::exp(d, exponent));
+template <class D, class V, class T = hn::TFromD<D>>
+HWY_INLINE V stiffness(D d, const MaterialConstants<T>& m, V V_0, const kn::Mat3<V>& E_P) {
+  const V exponent = Set(d, -m.hardening) * kn::det_minus_one(E_P);
+  return (Set(d, m.two_mu_0) * V_0) * kn::exp(d, exponent);
 }
 
 /// V_p0 P F_Eᵀ = 2 μ V_p0 [(F−R)Fᵀ + (λ/2μ)(J−1)J I], from E = FFᵀ − I and J − 1 where
 /// the strain is small, from the singular values elsewhere. Returns the small lanes.
-template <class T>
-HWY_INLINE hn::Mask<Lanes<T>> stress(const MaterialConstants<T>& m, const kn::Sym3<Vec<T>>& E,
-                                     const Vec<T>& J_minus_1, Deformation<T>& p) {
-  const Lanes<T> d;
-  hn::Mask<Lanes<T>> small;
-  kn::Sym3<Vec<T>> G = kn::corotated_part(d, E, small);
-  small = hn::And(small, hn::Gt(J_minus_1, hn::Set(d, static_cast<T>(-1))));
-  if (HWY_UNLIKELY(!hn::AllTrue(d, small))) {
-    kn::Sym3<Vec<T>> general;
+template <class D, class V, class T = hn::TFromD<D>>
+HWY_INLINE hn::Mask<D> stress(D d, const MaterialConstants<T>& m, const kn::Sym3<V>& E, V J_minus_1,
+                              Deformation<V>& p) {
+  hn::Mask<D> small;
+  kn::Sym3<V> G = kn::corotated_part(d, E, small);
+  small = And(small, J_minus_1 > Set(d, static_cast<T>(-1)));
+  if (HWY_UNLIKELY(!AllTrue(d, small))) {
+    kn::Sym3<V> general;
     kn::corotated_part_svd(d, p.E_E, general);
     G = kn::select(small, G, general);
   }
-  const auto pressure = hn::Mul(hn::Set(d, m.lambda_over_2mu),
-                                hn::MulAdd(J_minus_1, J_minus_1, J_minus_1));  // (J−1)J
-  p.tau.xx = hn::Mul(p.stiffness, hn::Add(G.xx, pressure));
-  p.tau.yy = hn::Mul(p.stiffness, hn::Add(G.yy, pressure));
-  p.tau.zz = hn::Mul(p.stiffness, hn::Add(G.zz, pressure));
-  p.tau.xy = hn::Mul(p.stiffness, G.xy);
-  p.tau.xz = hn::Mul(p.stiffness, G.xz);
-  p.tau.yz = hn::Mul(p.stiffness, G.yz);
+  const V pressure = Set(d, m.lambda_over_2mu) * MulAdd(J_minus_1, J_minus_1, J_minus_1);  // (J−1)J
+  p.tau.xx = p.stiffness * (G.xx + pressure);
+  p.tau.yy = p.stiffness * (G.yy + pressure);
+  p.tau.zz = p.stiffness * (G.zz + pressure);
+  p.tau.xy = p.stiffness * G.xy;
+  p.tau.xz = p.stiffness * G.xz;
+  p.tau.yz = p.stiffness * G.yz;
   return small;
+}
+
+/// What decides whether a particle can yield: E = F̂F̂ᵀ − I, J − 1, and the lanes that are
+/// certified to lie inside the elastic box.
+template <class D>
+struct Trial {
+  kn::Sym3<hn::Vec<D>> E;
+  hn::Vec<D> J_minus_1;
+  hn::Mask<D> inside;
+};
+
+template <class D, class V, class T = hn::TFromD<D>>
+HWY_INLINE Trial<D> examine(D d, const StepConstants<T>& step, const MaterialConstants<T>& m,
+                            const kn::Mat3<V>& E_E) {
+  Trial<D> trial;
+  trial.E = kn::left_strain(E_E);
+  trial.J_minus_1 = kn::det_minus_one(E_E);
+  trial.inside = kn::inside_elastic_box(d, trial.E, trial.J_minus_1, m.box);
+  if (HWY_UNLIKELY(!step.skip.box)) trial.inside = Zero(d) < Zero(d);
+  return trial;
+}
+
+/// The plastic flow of the lanes that are not certified: F̂_E to F_E and F_P. The
+/// exponential of the hardening is taken where J_P has changed.
+template <class D, class V, class T = hn::TFromD<D>>
+HWY_INLINE void flow(D d, const MaterialConstants<T>& m, V V_0, Trial<D>& trial,
+                     Deformation<V>& p) {
+  kn::Mat3<V> E_E = p.E_E, E_P = p.E_P;
+  const auto changed = AndNot(trial.inside, kn::return_map(d, m.box, trial.J_minus_1, E_E, E_P));
+  if (HWY_LIKELY(!AllFalse(d, changed))) {
+    p.E_E = kn::select(changed, E_E, p.E_E);
+    p.E_P = kn::select(changed, E_P, p.E_P);
+    p.stiffness = IfThenElse(changed, stiffness(d, m, V_0, E_P), p.stiffness);
+    trial.E = kn::left_strain(p.E_E);
+    trial.J_minus_1 = kn::det_minus_one(p.E_E);
+  }
 }
 
 /// Stage 7, second half: F̂_E to F_E and F_P, and the stress. Particles certified
 /// inside the elastic box keep F̂_E and take neither decomposition nor exponential.
 /// Returns the lanes whose result is known to be finite.
-template <class T>
-HWY_INLINE hn::Mask<Lanes<T>> return_map(const MaterialConstants<T>& m, const Vec<T>& V_0,
-                                         bool use_certificate, Deformation<T>& p) {
-  const Lanes<T> d;
-  kn::Sym3<Vec<T>> E = kn::left_strain(p.E_E);
-  Vec<T> J_minus_1 = kn::det_minus_one(p.E_E);
-  auto inside = kn::inside_elastic_box(d, E, J_minus_1, m.box);
-  if (HWY_UNLIKELY(!use_certificate)) inside = hn::Lt(hn::Zero(d), hn::Zero(d));
-  if (m.box.bounded && !hn::AllTrue(d, inside)) {
-    kn::Mat3<Vec<T>> E_E = p.E_E, E_P = p.E_P;
-    const auto changed = hn::AndNot(inside, kn::return_map(d, m.box, E_E, E_P));
-    p.E_E = kn::select(changed, E_E, p.E_E);
-    p.E_P = kn::select(changed, E_P, p.E_P);
-    p.stiffness = hn::IfThenElse(changed, stiffness<T>(m, V_0, E_P), p.stiffness);
-    E = kn::left_strain(p.E_E);
-    J_minus_1 = kn::det_minus_one(p.E_E);
-  }
-  return hn::And(inside, stress<T>(m, E, J_minus_1, p));
+template <class D, class V, class T = hn::TFromD<D>>
+HWY_INLINE hn::Mask<D> return_map(D d, const StepConstants<T>& step, const MaterialConstants<T>& m,
+                                  V V_0, Deformation<V>& p) {
+  Trial<D> trial = examine(d, step, m, p.E_E);
+  if (m.box.bounded && !AllTrue(d, trial.inside)) flow(d, m, V_0, trial, p);
+  if (HWY_UNLIKELY(!step.skip.hardening)) p.stiffness = stiffness(d, m, V_0, p.E_P);
+  return And(trial.inside, stress(d, m, trial.E, trial.J_minus_1, p));
 }
 
 /// Calls f(constants, lanes) for every material among the particles of the vector q.
@@ -90,7 +114,7 @@ HWY_INLINE void for_each_material(const StepConstants<T>& step, const T* q, cons
   const Lanes<T> d;
   const IntLanes<T> di;
   const auto everybody = hn::Eq(hn::Zero(d), hn::Zero(d));
-  if (HWY_LIKELY(step.material_count == 1)) return f(step.materials[0], everybody);
+  if (HWY_LIKELY(step.slots == slots_common)) return f(step.materials[0], everybody);
   const auto index = hn::BitCast(di, hn::Load(d, q + slot_material * chunk_lanes<T>));
   for (int k = 0; k < step.material_count; ++k) {
     const auto mine = hn::Eq(index, hn::Set(di, static_cast<Integer<T>>(k)));
@@ -98,12 +122,11 @@ HWY_INLINE void for_each_material(const StepConstants<T>& step, const T* q, cons
   }
 }
 
-template <class T>
-HWY_INLINE void select_into(const hn::Mask<Lanes<T>>& lanes, const Deformation<T>& yes,
-                            Deformation<T>& p) {
+template <class M, class V>
+HWY_INLINE void select_into(const M& lanes, const Deformation<V>& yes, Deformation<V>& p) {
   p.E_E = kn::select(lanes, yes.E_E, p.E_E);
   p.E_P = kn::select(lanes, yes.E_P, p.E_P);
-  p.stiffness = hn::IfThenElse(lanes, yes.stiffness, p.stiffness);
+  p.stiffness = IfThenElse(lanes, yes.stiffness, p.stiffness);
   p.tau = kn::select(lanes, yes.tau, p.tau);
 }
 

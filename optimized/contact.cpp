@@ -15,7 +15,7 @@ void hold(const Vec3& n, Mat3& free) {
 
 }  // namespace
 
-ContactMode collide(const Collider& collider, const Contact& contact, Vec3& v) {
+ContactMode collide(const Collider& collider, const Contact& contact, bool skip_friction, Vec3& v) {
   if (collider.sticky) {
     v = contact.velocity;
     return ContactMode::sticks;
@@ -24,6 +24,10 @@ ContactMode collide(const Collider& collider, const Contact& contact, Vec3& v) {
   const double v_n = v_rel.dot(contact.normal);
   if (v_n >= 0) return ContactMode::none;
   const Vec3 v_t = v_rel - v_n * contact.normal;
+  if (skip_friction && collider.friction == 0) {
+    v = v_t + contact.velocity;
+    return v_t == Vec3::Zero() ? ContactMode::sticks : ContactMode::slides;
+  }
   const double slip = v_t.norm();
   if (slip <= -collider.friction * v_n) {
     v = contact.velocity;
@@ -53,7 +57,7 @@ void Contacts::collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v
   for (const int k : colliders) {
     const Collider& collider = scene_->colliders[static_cast<std::size_t>(k)];
     if (collider.phi(x, time_) > 0) continue;
-    optimized::collide(collider, collider.contact(x, time_), v);
+    optimized::collide(collider, collider.contact(x, time_), skip_friction_, v);
   }
 }
 
@@ -63,7 +67,7 @@ void Contacts::collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v
     const Collider& collider = scene_->colliders[static_cast<std::size_t>(k)];
     if (collider.phi(x, time_) > 0) continue;
     const Contact contact = collider.contact(x, time_);
-    const ContactMode mode = optimized::collide(collider, contact, v);
+    const ContactMode mode = optimized::collide(collider, contact, skip_friction_, v);
     if (mode == ContactMode::sticks) free.setZero();
     if (mode == ContactMode::slides) hold(contact.normal, free);
   }

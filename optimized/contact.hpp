@@ -10,14 +10,16 @@ namespace firn::optimized {
 enum class ContactMode { none, slides, sticks };
 
 /// v after contact with `collider`, as it stands at the point of `contact`
-/// (Stomakhin et al. 2013, section 8).
-ContactMode collide(const Collider& collider, const Contact& contact, Vec3& v);
+/// (Stomakhin et al. 2013, section 8). `skip_friction`: a collider without friction takes
+/// neither the length of v_t nor the comparison with it; 1 + 0·v_n/slip = 1 exactly.
+ContactMode collide(const Collider& collider, const Contact& contact, bool skip_friction, Vec3& v);
 
 /// The colliders of a scene at one time, and which of them a region can touch.
 class Contacts {
  public:
   Contacts() = default;
-  Contacts(const Scene& scene, double time) : scene_(&scene), time_(time) {}
+  Contacts(const Scene& scene, double time, bool skip_friction)
+      : scene_(&scene), time_(time), skip_friction_(skip_friction) {}
 
   /// Collider numbers that may have φ ≤ 0 somewhere within `radius` of `center`:
   /// φ(x) ≥ φ(center) − L·radius with L the Lipschitz bound of φ.
@@ -35,6 +37,7 @@ class Contacts {
  private:
   const Scene* scene_ = nullptr;
   double time_ = 0;
+  bool skip_friction_ = true;
 };
 
 }  // namespace firn::optimized

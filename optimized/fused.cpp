@@ -31,7 +31,11 @@ void OptimizedSolver<T>::scatter_all() {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
     Block<T>& block = particles_.block(active[static_cast<std::size_t>(a)]);
     if (sort_is_due(block.b, step_)) particles_.sort(block, memory.sorting);
-    kernels_.scatter(particles_.view(block), constants_, memory.work,
+    // Most often this thread's next block; its particles are asked for in advance.
+    BlockView<T> next{};
+    if (a + 1 < n)
+      next = particles_.view(particles_.block(active[static_cast<std::size_t>(a) + 1]));
+    kernels_.scatter(particles_.view(block), a + 1 < n ? &next : nullptr, constants_, memory.work,
                      nodes_.tile(static_cast<std::size_t>(a)));
   }
 }
@@ -108,10 +112,9 @@ void OptimizedSolver<T>::load_surroundings(std::size_t active, const Workspace<T
   kernels_.difference(work);
 }
 
-/// Stage 9 for one block. False if no collider is near.
+/// The colliders that particles of a block may touch, into memory.colliders.
 template <class T>
-bool OptimizedSolver<T>::collide_particles(std::size_t active, ThreadMemory<T>& memory) const {
-  const Block<T>& block = particles_.block(particles_.active()[active]);
+void OptimizedSolver<T>::find_colliders(const Block<T>& block, ThreadMemory<T>& memory) const {
   const double h = scene_->grid.spacing;
   const Vec3 b(block.b.i, block.b.j, block.b.k);
   if (skips_.contact)
@@ -119,30 +122,37 @@ bool OptimizedSolver<T>::collide_particles(std::size_t active, ThreadMemory<T>& 
                    2 * std::sqrt(3.0) * h, memory.colliders);
   else
     contacts_.all(memory.colliders);
-  if (memory.colliders.empty()) return false;
+}
+
+/// Stage 9 for one block, with the colliders that were found.
+template <class T>
+void OptimizedSolver<T>::collide_particles(const Block<T>& block,
+                                           const std::vector<int>& colliders) const {
   for (int i = 0; i < block.count; ++i) {
     Vec3 v;
     for (int a = 0; a < 3; ++a) v[a] = static_cast<double>(particles_.value(block, i, slot_v + a));
     const Vec3 before = v;
-    contacts_.collide(memory.colliders, particles_.position(block, i), v);
+    contacts_.collide(colliders, particles_.position(block, i), v);
     if (v == before) continue;
     for (int a = 0; a < 3; ++a) particles_.value(block, i, slot_v + a) = static_cast<T>(v[a]);
   }
-  return true;
 }
 
 /// Some of stages 7 to 10 for one block; returns the number of leavers.
 template <class T>
 int OptimizedSolver<T>::update_block(std::size_t active, int passes, bool collide,
                                      ThreadMemory<T>& memory, FaultReport& report) {
-  const BlockView<T> view = particles_.view(particles_.block(particles_.active()[active]));
+  const Block<T>& block = particles_.block(particles_.active()[active]);
+  const BlockView<T> view = particles_.view(block);
   if (passes & (pass_deformation | pass_velocity)) load_surroundings(active, memory.work);
-  if (!collide || scene_->colliders.empty())
+  memory.colliders.clear();
+  if (collide && !scene_->colliders.empty()) find_colliders(block, memory);
+  if (memory.colliders.empty())
     return kernels_.update(view, constants_, memory.work, passes, report);
   // Particles collide between stages 8 and 10.
   const int before = passes & (pass_deformation | pass_velocity);
   if (before) kernels_.update(view, constants_, memory.work, before, report);
-  collide_particles(active, memory);
+  collide_particles(block, memory.colliders);
   return passes & pass_position
              ? kernels_.update(view, constants_, memory.work, pass_position, report)
              : 0;
@@ -200,6 +210,8 @@ template <class T>
 StepReport OptimizedSolver<T>::fused_step() {
   refresh_stress();
   scatter_all();
+  const bool keep_fields = !skips_.fields || !skips_.volumes;
+  if (keep_fields) nodes_.require_fields();
 
   const int n = static_cast<int>(nodes_.size());
   if (solves()) implicit_.release(nodes_.size()), nodes_.require_fields();
@@ -209,7 +221,7 @@ StepReport OptimizedSolver<T>::fused_step() {
   for (int i = 0; i < n; ++i) {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
     const auto k = static_cast<std::size_t>(i);
-    NodeFields<T>& node = solves() ? nodes_.fields(k) : *memory.node.data();
+    NodeFields<T>& node = solves() || keep_fields ? nodes_.fields(k) : *memory.node.data();
     sum_tiles(k, memory, node);
     kernels_.node_velocities(node);
     kernels_.node_forces(constants_, node);
@@ -230,6 +242,7 @@ StepReport OptimizedSolver<T>::fused_step() {
     solve_implicit();
     pack_all();
   }
+  if (!skips_.volumes) volumes();
 
   const Found found = update_all(pass_deformation | pass_velocity | pass_position, true);
   if (found.block >= 0) fail(found);

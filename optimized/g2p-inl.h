@@ -16,6 +16,7 @@
 #endif
 
 #include "optimized/fold-inl.h"
+#include "optimized/kernels/mat3-inl.h"
 #include "optimized/records-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -165,20 +166,46 @@ HWY_INLINE void gather_particle(const ZKernel<T>& kernel, const Row<T>& gradient
 /// Of a vector of particles: h ∂v_new/∂x, row-major, and Σ u w.
 template <class T>
 struct Gathered {
-  Vec<T> gradient[9];
+  kernels::HWY_NAMESPACE::Mat3<Vec<T>> gradient;
   Vec<T> u[3];
+};
+
+/// The chunk that is read next: each particle asks for a few of its lines, which
+/// then arrive behind the arithmetic instead of filling all line buffers at once.
+template <class T>
+struct ChunkAhead {
+  const T* chunk;  ///< nullptr: the block ends before it
+  int place;       ///< of the vector at hand within its chunk
+  bool plastic;    ///< F_P as well
+
+  HWY_INLINE void prefetch(int l) const {
+    if (chunk == nullptr) return;
+    // x, v, F_E; τ, V_p0 and stiffness; F_P: in this order.
+    constexpr int first_part = slot_E_P, second_part = slot_index - slot_tau;
+    const int lines = first_part + second_part + (plastic ? slot_tau - slot_E_P : 0);
+    const int from = lines * (place + l) / chunk_lanes<T>;
+    const int to = lines * (place + l + 1) / chunk_lanes<T>;
+    for (int k = from; k < to; ++k) {
+      const int slot = k < first_part                 ? k
+                       : k < first_part + second_part ? k - first_part + slot_tau
+                                                      : k - second_part;
+      hwy::Prefetch(chunk + slot * chunk_lanes<T>);
+    }
+  }
 };
 
 template <class T>
 HWY_INLINE void gather(const ZKernel<T>& kernel, const Row<T>& gradient_lanes, const T* q, int n,
-                       const T* coefficients, Gathered<T>& result) {
+                       const T* coefficients, const ChunkAhead<T>& ahead, Gathered<T>& result) {
   constexpr int L = lane_count<T>, C = channels<T>;
   constexpr int stride = L * row_size<T>;
   GatherWeights<T> g;
   gather_weights(q, g);
   alignas(64) T rows[gathered_rows<T> * stride];
-  for (int l = 0; l < n; ++l)
+  for (int l = 0; l < n; ++l) {
+    ahead.prefetch(l);
     gather_particle(kernel, gradient_lanes, g, l, coefficients, rows + l * row_size<T>, stride);
+  }
   if (HWY_UNLIKELY(n < L)) {  // spare lanes hold zeros, so that nothing spills over from old memory
     for (int r = 0; r < gathered_rows<T>; ++r)
       for (int i = n * row_size<T>; i < stride; ++i) rows[r * stride + i] = 0;
@@ -187,7 +214,7 @@ HWY_INLINE void gather(const ZKernel<T>& kernel, const Row<T>& gradient_lanes, c
   Vec<T> out[C];
   const auto deliver = [&](int channel, int axis, const Vec<T>& value) HWY_ATTR {
     if (channel < 3) {
-      result.gradient[3 * channel + axis] = value;
+      result.gradient(channel, axis) = value;
     } else if (axis == 2 && channel < 6) {
       result.u[channel - 3] = value;
     }

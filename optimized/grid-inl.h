@@ -60,6 +60,21 @@ HWY_INLINE void separate(const T* row, T* const* to) {
   }
 }
 
+/// The other way round.
+template <class T>
+HWY_INLINE void interleave(const T* const* from, T* row) {
+  const Lanes<T> d;
+  for (int i = 0; i < nodes_per_block; i += lane_count<T>) {
+    const auto channel = [&](int c) HWY_ATTR { return hn::Load(d, from[c] + i); };
+    if constexpr (channels<T> == 1)
+      hn::Store(channel(0), d, row + i);
+    else if constexpr (channels<T> == 2)
+      hn::StoreInterleaved2(channel(0), channel(1), d, row + 2 * i);
+    else
+      hn::StoreInterleaved4(channel(0), channel(1), channel(2), channel(3), d, row + 4 * i);
+  }
+}
+
 template <class T>
 void planar(const T* sums, NodeFields<T>& node) {
   alignas(64) T unused[nodes_per_block];
@@ -149,12 +164,13 @@ FaultReport pack_gathered(const StepConstants<T>& step, const NodeFields<T>& nod
                 u[a] + i);
   const T* const from[8] = {node.v_star[0], node.v_star[1], node.v_star[2], u[0],
                             u[1],           u[2],           u[2],           u[2]};
-  for (int r = 0; r < gather_rows<T>; ++r)
-    for (int xy = 0; xy < 16; ++xy) {
-      T* to = gathered + (xy * gather_rows<T> + r) * row_size<T>;
-      for (int c = 0; c < C; ++c)
-        for (int z = 0; z < 4; ++z) to[z * C + c] = from[r * C + c][4 * xy + z];
-    }
+  for (int r = 0; r < gather_rows<T>; ++r) {
+    alignas(64) T row[16 * row_size<T>];
+    interleave(from + r * C, row);
+    for (int xy = 0; xy < 16; ++xy)
+      store_row(load_row(row + xy * row_size<T>),
+                gathered + (xy * gather_rows<T> + r) * row_size<T>);
+  }
   return report;
 }
 

@@ -11,8 +11,10 @@ struct KernelTable {
   const char* target;  ///< name of the instruction set
   TileShape shape;
 
-  /// Stage 1 and 3: m, m v and V P Fᵀ of the block's particles onto its tile.
-  void (*scatter)(const BlockView<T>&, const StepConstants<T>&, const Workspace<T>&, T* tile);
+  /// Stage 1 and 3: m, m v and V P Fᵀ of the block's particles onto its tile. `next`, if
+  /// any, is the block that the caller is likely to scatter next.
+  void (*scatter)(const BlockView<T>&, const BlockView<T>* next, const StepConstants<T>&,
+                  const Workspace<T>&, T* tile);
 
   /// A region of a tile added to a node block's sums.
   void (*add_tile)(const T* tile, const Region&, T* sums);

@@ -82,6 +82,14 @@ struct MaterialConstants {
   kernels::ElasticBox<T> box;  ///< limits of the elastic singular values
 };
 
+/// What the kernels leave out where it changes nothing (skips.hpp).
+struct KernelSkips {
+  bool box = true;        ///< the return map of particles certified elastic
+  bool hardening = true;  ///< the exponential where J_P has not changed
+  bool plastic = true;    ///< reading and writing F_P of vectors in which nothing yields
+  bool rest = true;       ///< stress and forces of particles whose F_E is exactly I
+};
+
 /// What is the same for all particles and nodes during a step.
 template <class T>
 struct StepConstants {
@@ -93,7 +101,7 @@ struct StepConstants {
   T minus_inv_h;    ///< −1/h [1/m]
   T gravity_dt[3];  ///< Δt g [m/s]
   T flip;           ///< α
-  bool certify;     ///< particles certified elastic skip the return map
+  KernelSkips skip;
 };
 
 /// One block of particles as a kernel sees it.

@@ -18,7 +18,7 @@ namespace HWY_NAMESPACE {
 /// which shrinks the error by 2‖s‖ each time: no singular values, and the relative
 /// accuracy of a small strain is kept. Lanes with ‖G‖ > 0.1 take the decomposition.
 template <class T>
-HWY_INLINE Vec<T> elastic_energy(const MaterialConstants<T>& m, const Deformation<T>& p,
+HWY_INLINE Vec<T> elastic_energy(const MaterialConstants<T>& m, const Deformation<Vec<T>>& p,
                                  const Vec<T>& J_minus_1) {
   const Lanes<T> d;
   const auto half = hn::Set(d, static_cast<T>(0.5)), zero = hn::Zero(d);
@@ -71,8 +71,8 @@ void measure_pass(const BlockView<T>& block, const StepConstants<T>& step, T* en
                   T* J_minus_1) {
   const Lanes<T> d;
   for (int i = 0; i < block.count; i += lane_count<T>) {
-    const T* q = vector_of(block, step.slots, i);
-    Deformation<T> p = load_deformation(q);
+    T* q = vector_of(block, step.slots, i);
+    Deformation<Vec<T>> p = load_deformation(OneVector<T>{q});
     const T* tau = q + slot_tau * chunk_lanes<T>;
     p.tau = {hn::Load(d, tau),
              hn::Load(d, tau + chunk_lanes<T>),

@@ -1,18 +1,43 @@
 #pragma once
 /// Aligned memory that grows and never shrinks, and pages of particles.
 
+#include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <new>
 #include <vector>
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
 #include "optimized/layout.hpp"
 
 namespace firn::optimized {
 
+/// Memory on a cache-line boundary; from huge_page bytes on, on a boundary of those and
+/// with a request for them. A block's particles, its tile and the tiles around it lie on
+/// dozens of pages of 4 KiB: more than the processor's address caches hold.
+inline constexpr std::size_t cache_line = 64, huge_page = std::size_t{1} << 21;
+
 struct AlignedDelete {
-  void operator()(void* p) const { ::operator delete(p, std::align_val_t(64)); }
+  std::align_val_t alignment{cache_line};
+  void operator()(void* p) const { ::operator delete(p, alignment); }
 };
+
+template <class T>
+using AlignedPointer = std::unique_ptr<T, AlignedDelete>;
+
+template <class T>
+AlignedPointer<T> allocate_aligned(std::size_t n) {
+  const std::size_t bytes = n * sizeof(T);
+  const AlignedDelete free{std::align_val_t(bytes < huge_page ? cache_line : huge_page)};
+  AlignedPointer<T> memory(static_cast<T*>(::operator new(bytes, free.alignment)), free);
+#if defined(__linux__)
+  if (bytes >= huge_page) madvise(memory.get(), bytes, MADV_HUGEPAGE);  // a wish: may fail
+#endif
+  return memory;
+}
 
 /// An array on a cache-line boundary. require() keeps nothing of the old contents.
 template <class T>
@@ -24,14 +49,14 @@ class AlignedArray {
     if (n <= size_) return;
     size_ = n + n / 2;
     data_.reset();
-    data_.reset(static_cast<T*>(::operator new(size_ * sizeof(T), std::align_val_t(64))));
+    data_ = allocate_aligned<T>(size_);
   }
   T* data() const { return data_.get(); }
   T& operator[](std::size_t i) const { return data_.get()[i]; }
   std::size_t bytes() const { return size_ * sizeof(T); }
 
  private:
-  std::unique_ptr<T, AlignedDelete> data_;
+  AlignedPointer<T> data_;
   std::size_t size_ = 0;
 };
 
@@ -42,6 +67,7 @@ class PagePool {
   void reset(int slots) {
     slabs_.clear();
     free_.clear();
+    pages_ = 0;
     page_size_ = static_cast<std::size_t>(page_particles * slots);
   }
 
@@ -56,23 +82,24 @@ class PagePool {
   }
   void give_back(T* page) { free_.push_back(page); }
 
-  std::size_t bytes() const { return slabs_.size() * pages_per_slab * page_size_ * sizeof(T); }
+  std::size_t bytes() const { return pages_ * page_size_ * sizeof(T); }
 
  private:
-  static constexpr std::size_t pages_per_slab = 64;
-
+  /// Slabs grow from 64 pages, so that a snowball of a thousand particles stays small, to
+  /// one huge page: at most a quarter of what is in use is taken in advance.
   void add_slab() {
-    slabs_.emplace_back();
-    slabs_.back().reset(static_cast<T*>(
-        ::operator new(pages_per_slab* page_size_ * sizeof(T), std::align_val_t(64))));
-    free_.reserve(slabs_.size() * pages_per_slab);
-    for (std::size_t i = pages_per_slab; i-- > 0;)
-      free_.push_back(slabs_.back().get() + i * page_size_);
+    const std::size_t page_bytes = page_size_ * sizeof(T);
+    const std::size_t most = (huge_page + page_bytes - 1) / page_bytes;
+    const std::size_t n = std::clamp(pages_ / 4, std::size_t{64}, most);
+    slabs_.push_back(allocate_aligned<T>(n * page_size_));
+    pages_ += n;
+    free_.reserve(pages_);
+    for (std::size_t i = n; i-- > 0;) free_.push_back(slabs_.back().get() + i * page_size_);
   }
 
-  std::vector<std::unique_ptr<T, AlignedDelete>> slabs_;
+  std::vector<AlignedPointer<T>> slabs_;
   std::vector<T*> free_;
-  std::size_t page_size_ = 0;
+  std::size_t page_size_ = 0, pages_ = 0;
 };
 
 }  // namespace firn::optimized

@@ -1,5 +1,7 @@
 #include "optimized/node_store.hpp"
 
+#include <algorithm>
+
 namespace firn::optimized {
 
 template <class T>
@@ -11,7 +13,7 @@ int NodeStore<T>::find_or_create(const NodeIndex& c) {
 }
 
 template <class T>
-void NodeStore<T>::rebuild(const ParticleStore<T>& particles, const TileShape& shape) {
+void NodeStore<T>::rebuild(const ParticleStore<T>& particles, const TileShape& shape, bool sparse) {
   lattice_ = particles.lattice();
   tile_size_ = static_cast<std::size_t>(shape.tile_size);
   gathered_size_ = static_cast<std::size_t>(shape.gathered_size);
@@ -46,6 +48,8 @@ void NodeStore<T>::rebuild(const ParticleStore<T>& particles, const TileShape& s
     surroundings_.push_back(s);
   }
 
+  if (!sparse) fill_box();
+
   // Shares by node block, in the order of the particle blocks (sorted by position).
   for (const auto& [n, share] : found_) ++blocks_[static_cast<std::size_t>(n)].share_count;
   int first = 0;
@@ -61,6 +65,19 @@ void NodeStore<T>::rebuild(const ParticleStore<T>& particles, const TileShape& s
   }
   tiles_.require(active.size() * tile_size_);
   gathered_.require(blocks_.size() * gathered_size_);
+}
+
+template <class T>
+void NodeStore<T>::fill_box() {
+  if (blocks_.empty()) return;
+  NodeIndex low = blocks_.front().c, high = low;
+  for (const NodeBlock& block : blocks_) {
+    low = {std::min(low.i, block.c.i), std::min(low.j, block.c.j), std::min(low.k, block.c.k)};
+    high = {std::max(high.i, block.c.i), std::max(high.j, block.c.j), std::max(high.k, block.c.k)};
+  }
+  for (std::int32_t i = low.i; i <= high.i; ++i)
+    for (std::int32_t j = low.j; j <= high.j; ++j)
+      for (std::int32_t k = low.k; k <= high.k; ++k) find_or_create({i, j, k});
 }
 
 template <class T>

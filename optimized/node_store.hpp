@@ -33,8 +33,9 @@ struct Surroundings {
 template <class T>
 class NodeStore {
  public:
-  /// From the active particle blocks; call whenever their set has changed.
-  void rebuild(const ParticleStore<T>& particles, const TileShape& shape);
+  /// From the active particle blocks; call whenever their set has changed. `sparse`: only
+  /// blocks that particles reach, otherwise all in the box around them.
+  void rebuild(const ParticleStore<T>& particles, const TileShape& shape, bool sparse);
 
   std::size_t size() const { return blocks_.size(); }
   const NodeBlock& block(std::size_t n) const { return blocks_[n]; }
@@ -69,6 +70,7 @@ class NodeStore {
 
  private:
   int find_or_create(const NodeIndex& c);
+  void fill_box();
 
   Lattice lattice_;
   std::vector<NodeBlock> blocks_;

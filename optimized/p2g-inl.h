@@ -119,37 +119,65 @@ HWY_INLINE void accumulate_force(const ParticleRows<T>* rows, const T* record, i
   for (int r = 0; r < count; ++r) a[r].store(sums + r * tile_row_size<T>);
 }
 
-/// All rows of the particles of one cell, at y-node j.
-template <class T>
+/// All rows of the particles of one cell, at y-node j; those of the force only where
+/// there is stress.
+template <bool with_force, class T>
 HWY_INLINE void accumulate(const ParticleRows<T>* rows, const T* record, int n, int j, T* sums) {
   constexpr int R = tile_row_size<T>;
   if constexpr (mass_rows<T> == 1) {
     accumulate_mass<0, 1>(rows, record, n, j, sums);
-    accumulate_force<0, 1>(rows, record, n, j, sums + R);
+    if constexpr (with_force) accumulate_force<0, 1>(rows, record, n, j, sums + R);
   } else if constexpr (mass_rows<T> == 2) {
     accumulate_mass<0, 2>(rows, record, n, j, sums);
-    accumulate_force<0, 2>(rows, record, n, j, sums + 2 * R);
+    if constexpr (with_force) accumulate_force<0, 2>(rows, record, n, j, sums + 2 * R);
   } else {
     accumulate_mass<0, 2>(rows, record, n, j, sums);
     accumulate_mass<2, 2>(rows, record, n, j, sums + 2 * R);
-    accumulate_force<0, 2>(rows, record, n, j, sums + 4 * R);
-    accumulate_force<2, 1>(rows, record, n, j, sums + 6 * R);
+    if constexpr (with_force) {
+      accumulate_force<0, 2>(rows, record, n, j, sums + 4 * R);
+      accumulate_force<2, 1>(rows, record, n, j, sums + 6 * R);
+    }
   }
 }
 
-/// The 16 cells at one x onto the slab's sums: [y][n0, s0, s1, n3][row][z][channel].
+/// What the rest of the scatter will touch, asked for cell by cell while the arithmetic
+/// goes on: the planes of the tile that this slab is added to, and the particles of the
+/// block that comes next.
 template <class T>
+struct ScatterAhead {
+  const T* planes;  ///< of the tile, `lines` cache lines that come into use
+  int lines;
+  const BlockView<T>* next;  ///< nullptr: none
+  int slots, x;              ///< the slab
+
+  HWY_INLINE void prefetch(int c) const {
+    for (int k = lines * c / 16; k < lines * (c + 1) / 16; ++k)
+      hwy::Prefetch(planes + k * chunk_lanes<T>);
+    if (next == nullptr) return;
+    const int chunks = (next->count + chunk_lanes<T> - 1) / chunk_lanes<T>;
+    const int part = 16 * x + c;
+    for (int k = chunks * part / 64; k < chunks * (part + 1) / 64; ++k) {
+      prefetch_chunk(*next, slots, k * chunk_lanes<T>, slot_x, slot_v + 3);
+      prefetch_chunk(*next, slots, k * chunk_lanes<T>, slot_tau, slot_m + 1);
+    }
+  }
+};
+
+/// The 16 cells at one x onto the slab's sums: [y][n0, s0, s1, n3][row][z][channel].
+template <bool with_force, class T>
 HWY_INLINE void accumulate_slab(const ZKernel<T>& kernel, const int* begin, const T* records,
-                                T* moments) {
+                                T* moments, const ScatterAhead<T>& ahead) {
   constexpr int y_stride = 4 * tile_rows<T> * tile_row_size<T>;
   HWY_ALIGN ParticleRows<T> rows[batch_size];
   for (int c = 0; c < 16; ++c) {
+    ahead.prefetch(c);
     for (int p = begin[c]; p < begin[c + 1]; p += batch_size) {
       const int n = begin[c + 1] - p < batch_size ? begin[c + 1] - p : batch_size;
       const T* record = records + p * record_size;
       for (int k = 0; k < n; ++k) prepare(kernel, record + k * record_size, rows[k]);
       for (int j = 0; j < 4; ++j)
-        accumulate(rows, record, n, j, moments + (c / 4 + j) * y_stride + c % 4 * channels<T>);
+        accumulate<with_force>(rows, record, n, j,
+                               moments + (c / 4 + j) * y_stride + c % 4 * channels<T>);
     }
   }
 }
@@ -187,19 +215,27 @@ HWY_INLINE void finish_slab(const T* moments, int x, bool any, T* tile) {
 }
 
 template <class T>
-void scatter(const BlockView<T>& block, const StepConstants<T>& step, const Workspace<T>& work,
-             T* tile) {
+void scatter(const BlockView<T>& block, const BlockView<T>* next, const StepConstants<T>& step,
+             const Workspace<T>& work, T* tile) {
   int begin[nodes_per_block + 1];
   count_cells(block, step.slots, work.cells, begin);
-  write_records(block, step.slots, work.cells, begin, work.records);
+  const bool stressed =
+      write_records(block, step.slots, work.cells, begin, work.records) || !step.skip.rest;
   const ZKernel<T> kernel;
   const Lanes<T> d;
   constexpr int slab = tile_nodes * 4 * tile_rows<T> * tile_row_size<T>;
+  constexpr int plane = tile_nodes * tile_rows<T> * tile_row_size<T>;
   for (int x = 0; x < block_cells; ++x) {
     const bool any = begin[16 * x + 16] > begin[16 * x];
     if (any) {
       for (int i = 0; i < slab; i += lane_count<T>) hn::Store(hn::Zero(d), d, work.moments + i);
-      accumulate_slab(kernel, begin + 16 * x, work.records, work.moments);
+      const int planes = x == 0 ? 4 : 1;  // finish_slab() comes to these for the first time
+      const ScatterAhead<T> ahead{tile + (x == 0 ? 0 : x + 3) * plane,
+                                  planes * plane / chunk_lanes<T>, next, step.slots, x};
+      if (HWY_LIKELY(stressed))
+        accumulate_slab<true>(kernel, begin + 16 * x, work.records, work.moments, ahead);
+      else
+        accumulate_slab<false>(kernel, begin + 16 * x, work.records, work.moments, ahead);
     }
     finish_slab(work.moments, x, any, tile);
   }

@@ -112,15 +112,16 @@ void ParticleStore<T>::clear() {
 }
 
 template <class T>
-void ParticleStore<T>::load(const Scene& scene, const State& state) {
+void ParticleStore<T>::load(const Scene& scene, const State& state, bool with_material) {
   const Particles& p = state.particles;
   lattice_ = Lattice(scene.grid);
-  slots_ = slots_common + (scene.materials.size() > 1 ? 1 : 0);
+  with_material = with_material || scene.materials.size() > 1;
+  slots_ = slots_common + (with_material ? 1 : 0);
   size_ = p.size();
   clear();
   id_ = p.id;
   material_.clear();
-  if (scene.materials.size() > 1) material_ = p.material;
+  if (with_material) material_ = p.material;
 
   std::vector<T> q(static_cast<std::size_t>(slots_));
   for (std::size_t i = 0; i < p.size(); ++i) {

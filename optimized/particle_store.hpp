@@ -35,7 +35,8 @@ class ParticleStore {
   /// Particles into blocks; within a block by cell, within a cell in the caller's
   /// order. Throws SimulationError for a position that is not finite or lies
   /// outside ±block_limit.
-  void load(const Scene& scene, const State& state);
+  /// `with_material`: keeps the material of each particle also where there is one only.
+  void load(const Scene& scene, const State& state, bool with_material);
   void store(Particles& particles) const;
 
   /// Everything that State does not say: block, rank in it and the exact values.

@@ -124,12 +124,14 @@ HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* 
 }
 
 /// One record per particle, in cell order, particles of a cell in block order.
+/// Returns whether any of them is under stress (NaN is).
 template <class T>
-HWY_INLINE void write_records(const BlockView<T>& block, int slots, const std::uint8_t* cells,
+HWY_INLINE bool write_records(const BlockView<T>& block, int slots, const std::uint8_t* cells,
                               const int begin[nodes_per_block + 1], T* records) {
   constexpr int n = lane_count<T>;
   constexpr int chunk = chunk_lanes<T>;
   const Lanes<T> d;
+  auto stress = hn::Zero(d);
   int next[nodes_per_block];
   for (int c = 0; c < nodes_per_block; ++c) next[c] = begin[c];
   for (int i = 0; i < block.count; i += n) {
@@ -148,14 +150,18 @@ HWY_INLINE void write_records(const BlockView<T>& block, int slots, const std::u
     const auto m = slot(slot_m);
     store_quads<T>(hn::Mul(m, slot(slot_v)), hn::Mul(m, slot(slot_v + 1)),
                    hn::Mul(m, slot(slot_v + 2)), m, to, record_momentum);
-    const auto t01 = slot(slot_tau + 1), t12 = slot(slot_tau + 4);
-    store_quads<T>(slot(slot_tau), t01, slot(slot_tau + 2), t12, to, 4);
-    store_quads<T>(slot(slot_tau + 5), t01, slot(slot_tau + 3), t12, to, 8);
+    const auto t00 = slot(slot_tau), t01 = slot(slot_tau + 1), t02 = slot(slot_tau + 2);
+    const auto t11 = slot(slot_tau + 3), t12 = slot(slot_tau + 4), t22 = slot(slot_tau + 5);
+    store_quads<T>(t00, t01, t02, t12, to, 4);
+    store_quads<T>(t22, t01, t11, t12, to, 8);
+    stress = hn::Or(hn::Or(hn::Or(stress, t00), hn::Or(t01, t02)), hn::Or(hn::Or(t11, t12), t22));
     store_quads<T>(wy.w[0], wy.w[1], wy.w[2], wy.w[3], to, record_w_y);
     store_quads<T>(wy.d[0], wy.d[1], wy.d[2], wy.d[3], to, record_d_y);
     store_quads<T>(x.t, wx.w[0], wx.w[3], wx.d[0], to, record_t);
     store_quads<T>(wx.d[3], z.t, z.t, z.t, to, record_d_x3);
   }
+  // Any bit but the sign of a zero; spare lanes hold zeros or particles that were here.
+  return !hn::AllTrue(d, hn::Le(hn::Abs(stress), hn::Zero(d)));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,10 +19,20 @@ SkipSet SkipSet::from_text(std::string_view names) {
       value = false;
       known = true;
     };
-    turn_off("box", s.box);
+    turn_off("box", s.kernels.box);
     turn_off("contact", s.contact);
+    turn_off("empty", s.empty);
+    turn_off("fields", s.fields);
+    turn_off("friction", s.friction);
+    turn_off("hardening", s.kernels.hardening);
+    turn_off("material", s.material);
+    turn_off("plastic", s.kernels.plastic);
+    turn_off("rest", s.kernels.rest);
+    turn_off("volumes", s.volumes);
     if (!known)
-      throw InputError("FIRN_NO_SKIP", "name of a skip", std::string(name), "all, box, contact");
+      throw InputError("FIRN_NO_SKIP", "name of a skip", std::string(name),
+                       "all, box, contact, empty, fields, friction, hardening, "
+                       "material, plastic, rest, volumes");
   }
   return s;
 }

@@ -5,11 +5,18 @@
 #include <string>
 #include <string_view>
 
+#include "optimized/layout.hpp"
+
 namespace firn::optimized {
 
 struct SkipSet {
-  bool box = true;      ///< return map of particles certified inside the elastic box
-  bool contact = true;  ///< collision tests of blocks out of every collider's reach
+  KernelSkips kernels;   ///< box, hardening, plastic, rest
+  bool contact = true;   ///< contact of blocks out of every collider's reach
+  bool friction = true;  ///< the friction law of colliders without friction
+  bool volumes = true;   ///< the density sum once every V_p0 is known
+  bool material = true;  ///< the material of each particle in scenes with one only
+  bool fields = true;    ///< node fields that no later pass reads
+  bool empty = true;     ///< nodes that no particle reaches
 
   /// All but those that FIRN_NO_SKIP names, separated by commas ("all" for all of
   /// them). InputError for an unknown name.

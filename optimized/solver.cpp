@@ -81,7 +81,7 @@ void OptimizedSolver<T>::load(const Scene& scene, const State& state) {
   time_ = state.time, dt_ = state.dt, step_ = state.step, next_ = state.next;
   volumes_unknown_ = std::any_of(p.V_0.begin(), p.V_0.end(), [](double V) { return V == 0; });
   volumes_found_ = false;
-  particles_.load(scene, state);
+  particles_.load(scene, state, !skips_.material);
   nodes_stale_ = stress_stale_ = tiles_stale_ = gathered_stale_ = true;
   prepare(scene.time.adaptive ? scene.time.max_step : scene.time.step);
   dt_ = state.dt;
@@ -102,15 +102,15 @@ void OptimizedSolver<T>::prepare(double dt) {
   constants_.minus_inv_h = static_cast<T>(-1 / scene_->grid.spacing);
   for (int a = 0; a < 3; ++a) constants_.gravity_dt[a] = static_cast<T>(dt * scene_->gravity[a]);
   constants_.flip = static_cast<T>(scene_->flip);
-  constants_.certify = skips_.box;
-  contacts_ = Contacts(*scene_, time_);
+  constants_.skip = skips_.kernels;
+  contacts_ = Contacts(*scene_, time_, skips_.friction);
   for (ThreadMemory<T>& m : memory_) m.require(particles_.largest_block(), kernels_);
 }
 
 template <class T>
 void OptimizedSolver<T>::refresh_nodes() {
   if (!nodes_stale_) return;
-  nodes_.rebuild(particles_, kernels_.shape);
+  nodes_.rebuild(particles_, kernels_.shape, skips_.empty);
   nodes_stale_ = false;
 }
 

@@ -72,7 +72,8 @@ class OptimizedSolver final : public Solver {
   int update_block(std::size_t active, int passes, bool collide, ThreadMemory<T>& memory,
                    FaultReport& report);
   void load_surroundings(std::size_t active, const Workspace<T>& work) const;
-  bool collide_particles(std::size_t active, ThreadMemory<T>& memory) const;
+  void find_colliders(const Block<T>& block, ThreadMemory<T>& memory) const;
+  void collide_particles(const Block<T>& block, const std::vector<int>& colliders) const;
   void move_between_blocks();
   [[noreturn]] void fail(const Found& found);
 
@@ -86,6 +87,7 @@ class OptimizedSolver final : public Solver {
   void run(Stage stage);
   void rasterize();
   void volumes();
+  void density_sums(std::size_t active, std::vector<double>& rho) const;
   void grid_forces();
   void integration();
   void require_finite(Stage stage, const T (NodeFields<T>::*field)[3][nodes_per_block]);

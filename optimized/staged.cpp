@@ -85,50 +85,63 @@ void OptimizedSolver<T>::rasterize() {
   require_finite(Stage::rasterize, &NodeFields<T>::v);
 }
 
-/// Step 2. ρ_p0 = Σ_i m_i w_ip / h³, V_p0 = m_p/ρ_p0, where V_p0 is not known.
+/// Step 2. ρ_p0 = Σ_i m_i w_ip / h³ of every particle of a block.
 template <class T>
-void OptimizedSolver<T>::volumes() {
-  if (!volumes_unknown_) return;
+void OptimizedSolver<T>::density_sums(std::size_t active, std::vector<double>& rho) const {
   const Lattice& lattice = nodes_.lattice();
   const double h3 = std::pow(lattice.spacing(), 3);
+  const Block<T>& block = particles_.block(particles_.active()[active]);
+  double m[tile_nodes][tile_nodes][tile_nodes];
+  std::int32_t c[3];
+  int k[3];
+  for (int x = 0; x < tile_nodes; ++x)
+    for (int y = 0; y < tile_nodes; ++y)
+      for (int z = 0; z < tile_nodes; ++z) {
+        lattice.find_node(0, block_cells * block.b.i - 1 + x, c[0], k[0]);
+        lattice.find_node(1, block_cells * block.b.j - 1 + y, c[1], k[1]);
+        lattice.find_node(2, block_cells * block.b.k - 1 + z, c[2], k[2]);
+        const int node = nodes_.find({c[0], c[1], c[2]});
+        m[x][y][z] = static_cast<double>(
+            nodes_.fields(static_cast<std::size_t>(node)).m[(4 * k[0] + k[1]) * 4 + k[2]]);
+      }
+  rho.assign(static_cast<std::size_t>(block.count), 0);
+  for (int i = 0; i < block.count; ++i) {
+    int first[3];
+    std::array<double, 4> w[3];
+    const std::int32_t b[3] = {block.b.i, block.b.j, block.b.k};
+    for (int axis = 0; axis < 3; ++axis) {
+      const double x =
+          particles_.grid_position(block, i, axis) - block_cells * static_cast<double>(b[axis]);
+      first[axis] = std::min(static_cast<int>(x), block_cells - 1);
+      w[axis] = weights(x - first[axis]);
+    }
+    double& sum = rho[static_cast<std::size_t>(i)];
+    for (int x = 0; x < 4; ++x)
+      for (int y = 0; y < 4; ++y)
+        for (int z = 0; z < 4; ++z)
+          sum += m[first[0] + x][first[1] + y][first[2] + z] * w[0][static_cast<std::size_t>(x)] *
+                 w[1][static_cast<std::size_t>(y)] * w[2][static_cast<std::size_t>(z)] / h3;
+  }
+}
+
+/// V_p0 = m_p/ρ_p0 where V_p0 is not known; nothing to do once all are.
+template <class T>
+void OptimizedSolver<T>::volumes() {
+  if (!volumes_unknown_ && skips_.volumes) return;
   const int n = static_cast<int>(particles_.active().size());
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
   for (int a = 0; a < n; ++a) {
+    std::vector<double> rho;
+    density_sums(static_cast<std::size_t>(a), rho);
     const Block<T>& block = particles_.block(particles_.active()[static_cast<std::size_t>(a)]);
-    double m[tile_nodes][tile_nodes][tile_nodes];
-    std::int32_t c[3];
-    int k[3];
-    for (int x = 0; x < tile_nodes; ++x)
-      for (int y = 0; y < tile_nodes; ++y)
-        for (int z = 0; z < tile_nodes; ++z) {
-          lattice.find_node(0, block_cells * block.b.i - 1 + x, c[0], k[0]);
-          lattice.find_node(1, block_cells * block.b.j - 1 + y, c[1], k[1]);
-          lattice.find_node(2, block_cells * block.b.k - 1 + z, c[2], k[2]);
-          const int node = nodes_.find({c[0], c[1], c[2]});
-          m[x][y][z] = static_cast<double>(
-              nodes_.fields(static_cast<std::size_t>(node)).m[(4 * k[0] + k[1]) * 4 + k[2]]);
-        }
     for (int i = 0; i < block.count; ++i) {
       T& V_0 = particles_.value(block, i, slot_V_0);
-      if (V_0 != 0) continue;
-      int first[3];
-      std::array<double, 4> w[3];
-      const std::int32_t b[3] = {block.b.i, block.b.j, block.b.k};
-      for (int axis = 0; axis < 3; ++axis) {
-        const double x =
-            particles_.grid_position(block, i, axis) - block_cells * static_cast<double>(b[axis]);
-        first[axis] = std::min(static_cast<int>(x), block_cells - 1);
-        w[axis] = weights(x - first[axis]);
-      }
-      double rho = 0;
-      for (int x = 0; x < 4; ++x)
-        for (int y = 0; y < 4; ++y)
-          for (int z = 0; z < 4; ++z)
-            rho += m[first[0] + x][first[1] + y][first[2] + z] * w[0][static_cast<std::size_t>(x)] *
-                   w[1][static_cast<std::size_t>(y)] * w[2][static_cast<std::size_t>(z)] / h3;
-      V_0 = static_cast<T>(static_cast<double>(particles_.value(block, i, slot_m)) / rho);
+      if (V_0 == 0)
+        V_0 = static_cast<T>(static_cast<double>(particles_.value(block, i, slot_m)) /
+                             rho[static_cast<std::size_t>(i)]);
     }
   }
+  if (!volumes_unknown_) return;
   volumes_unknown_ = false;
   volumes_found_ = stress_stale_ = tiles_stale_ = true;
   require_finite_particles(Stage::volumes, slot_V_0, 1, "volume is not finite");

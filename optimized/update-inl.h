@@ -14,18 +14,56 @@ HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
+/// Nine consecutive slots of the particles at q.
 template <class T>
 HWY_INLINE kn::Mat3<Vec<T>> load_matrix(const T* q, int slot) {
-  const Lanes<T> d;
   kn::Mat3<Vec<T>> A;
-  for (int i = 0; i < 9; ++i) A.m[i] = hn::Load(d, q + (slot + i) * chunk_lanes<T>);
+  for (int i = 0; i < 9; ++i) A.m[i] = hn::Load(Lanes<T>(), q + (slot + i) * chunk_lanes<T>);
   return A;
 }
 
+/// Where a vector of particles lies, and where the two of a pair lie.
 template <class T>
-HWY_INLINE void store_matrix(const kn::Mat3<Vec<T>>& A, T* q, int slot) {
-  const Lanes<T> d;
-  for (int i = 0; i < 9; ++i) hn::Store(A.m[i], d, q + (slot + i) * chunk_lanes<T>);
+struct OneVector {
+  using Tag = Lanes<T>;
+  T* q;
+};
+template <class T>
+struct TwoVectors {
+  using Tag = kn::PairOf<Lanes<T>>;
+  T *a, *b;
+};
+
+template <class T>
+HWY_INLINE Vec<T> load_slot(const OneVector<T>& at, int slot) {
+  return hn::Load(Lanes<T>(), at.q + slot * chunk_lanes<T>);
+}
+template <class T>
+HWY_INLINE kn::Pair<Vec<T>> load_slot(const TwoVectors<T>& at, int slot) {
+  return {hn::Load(Lanes<T>(), at.a + slot * chunk_lanes<T>),
+          hn::Load(Lanes<T>(), at.b + slot * chunk_lanes<T>)};
+}
+
+template <class T>
+HWY_INLINE void store_slot(const Vec<T>& v, const OneVector<T>& at, int slot) {
+  hn::Store(v, Lanes<T>(), at.q + slot * chunk_lanes<T>);
+}
+template <class T>
+HWY_INLINE void store_slot(const kn::Pair<Vec<T>>& v, const TwoVectors<T>& at, int slot) {
+  hn::Store(v.a, Lanes<T>(), at.a + slot * chunk_lanes<T>);
+  hn::Store(v.b, Lanes<T>(), at.b + slot * chunk_lanes<T>);
+}
+
+template <class Place>
+HWY_INLINE auto load_matrix(const Place& at, int slot) -> kn::Mat3<decltype(load_slot(at, slot))> {
+  kn::Mat3<decltype(load_slot(at, slot))> A;
+  for (int i = 0; i < 9; ++i) A.m[i] = load_slot(at, slot + i);
+  return A;
+}
+
+template <class Place, class V>
+HWY_INLINE void store_matrix(const kn::Mat3<V>& A, const Place& at, int slot) {
+  for (int i = 0; i < 9; ++i) store_slot(A.m[i], at, slot + i);
 }
 
 /// Lanes 0 … n−1 in which every one of the values is finite.
@@ -48,65 +86,111 @@ HWY_INLINE void expect(const hn::Mask<Lanes<T>>& good, int i, int n, Fault fault
   report.place = i + static_cast<int>(hn::FindFirstTrue(d, bad));
 }
 
-template <class T>
-HWY_INLINE Deformation<T> load_deformation(const T* q) {
-  const Lanes<T> d;
-  Deformation<T> p;
-  p.E_E = load_matrix(q, slot_E_E);
-  p.E_P = load_matrix(q, slot_E_P);
-  p.stiffness = hn::Load(d, q + slot_stiffness * chunk_lanes<T>);
-  p.tau = {hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+template <class Place>
+HWY_INLINE auto load_deformation(const Place& at) -> Deformation<decltype(load_slot(at, 0))> {
+  Deformation<decltype(load_slot(at, 0))> p;
+  const typename Place::Tag d;
+  p.E_E = load_matrix(at, slot_E_E);
+  p.E_P = load_matrix(at, slot_E_P);
+  p.stiffness = load_slot(at, slot_stiffness);
+  p.tau = {Zero(d), Zero(d), Zero(d), Zero(d), Zero(d), Zero(d)};
   return p;
 }
 
-template <class T>
-HWY_INLINE void store_stress(const Deformation<T>& p, T* q) {
-  const Lanes<T> d;
-  constexpr int chunk = chunk_lanes<T>;
-  hn::Store(p.stiffness, d, q + slot_stiffness * chunk);
-  const Vec<T> tau[6] = {p.tau.xx, p.tau.xy, p.tau.xz, p.tau.yy, p.tau.yz, p.tau.zz};
-  for (int k = 0; k < 6; ++k) hn::Store(tau[k], d, q + (slot_tau + k) * chunk);
+template <class Place, class V>
+HWY_INLINE void store_tau(const kn::Sym3<V>& tau, const Place& at) {
+  const V values[6] = {tau.xx, tau.xy, tau.xz, tau.yy, tau.yz, tau.zz};
+  for (int k = 0; k < 6; ++k) store_slot(values[k], at, slot_tau + k);
 }
 
 /// The return map where a vector may hold particles of several materials. Apart from
 /// the common case, which need not copy anything.
 template <class T>
 HWY_NOINLINE hn::Mask<Lanes<T>> return_map_of_mixture(const StepConstants<T>& step, const T* q,
-                                                      const Vec<T>& V_0, Deformation<T>& p) {
+                                                      const Vec<T>& V_0, Deformation<Vec<T>>& p) {
   const Lanes<T> d;
-  const Deformation<T> trial = p;
+  const Deformation<Vec<T>> trial = p;
   auto good = hn::Eq(V_0, V_0);
   for_each_material(step, q, [&](const MaterialConstants<T>& m, const auto& lanes) HWY_ATTR {
-    Deformation<T> mine = trial;
-    const auto mine_good = return_map<T>(m, V_0, step.certify, mine);
-    select_into<T>(lanes, mine, p);
+    Deformation<Vec<T>> mine = trial;
+    const auto mine_good = return_map(d, step, m, V_0, mine);
+    select_into(lanes, mine, p);
     good = hn::And(good, hn::Or(mine_good, hn::Not(lanes)));
   });
-  (void)d;
   return good;
 }
 
-/// F̂_E = (I + Δt ∇v) F_E, in E = F − I: Ê = E + g + g E with g = Δt ∇v; then the
-/// return map.
+/// Notes what deform() could not vouch for; `good` of one vector or of two.
 template <class T>
-HWY_INLINE void deform(const StepConstants<T>& step, const Gathered<T>& gathered, T* q, int i,
-                       int n, FaultReport& report) {
+HWY_INLINE void expect_finite(const OneVector<T>& at, const hn::Mask<Lanes<T>>& good, int i, int n,
+                              FaultReport& report) {
+  if (HWY_LIKELY(hn::AllTrue(Lanes<T>(), good))) return;
+  const kn::Mat3<Vec<T>> E_E = load_matrix(at, slot_E_E), E_P = load_matrix(at, slot_E_P);
+  expect<T>(hn::And(finite<T>(E_E.m, 9), finite<T>(E_P.m, 9)), i, n, Fault::deformation, report);
+}
+template <class T>
+HWY_INLINE void expect_finite(const TwoVectors<T>& at, const kn::MaskPair<hn::Mask<Lanes<T>>>& good,
+                              int i, int n, FaultReport& report) {
+  constexpr int L = lane_count<T>;
+  expect_finite(OneVector<T>{at.a}, good.a, i, L, report);
+  expect_finite(OneVector<T>{at.b}, good.b, i + L, n - L, report);
+}
+
+/// F̂_E = (I + Δt ∇v) F_E, in E = F − I: Ê = E + g + g E with g = Δt ∇v; then the
+/// return map. F_P and the stiffness are touched only where something may yield.
+/// Returns whether that was so.
+template <class Place, class V, class T>
+HWY_INLINE bool deform(const StepConstants<T>& step, const kn::Mat3<V>& h_gradient, const Place& at,
+                       int i, int n, FaultReport& report) {
+  const typename Place::Tag d;
+  const MaterialConstants<T>& m = step.materials[0];
+  kn::Mat3<V> g;
+  for (int k = 0; k < 9; ++k) g.m[k] = h_gradient.m[k] * Set(d, step.dt_over_h);
+  Deformation<V> p;
+  p.E_E = kn::trial_deformation(load_matrix(at, slot_E_E), g);
+  if (step.skip.rest) {
+    V size = Abs(p.E_E.m[0]);
+    for (int k = 1; k < 9; ++k) size = size + Abs(p.E_E.m[k]);
+    if (HWY_UNLIKELY(AllTrue(d, size <= Zero(d)))) {  // not for NaN
+      store_matrix(p.E_E, at, slot_E_E);
+      store_tau<Place, V>({Zero(d), Zero(d), Zero(d), Zero(d), Zero(d), Zero(d)}, at);
+      return false;
+    }
+  }
+  Trial<typename Place::Tag> trial = examine(d, step, m, p.E_E);
+  p.stiffness = load_slot(at, slot_stiffness);
+  const bool yields = m.box.bounded && !AllTrue(d, trial.inside);
+  if (yields || HWY_UNLIKELY(!step.skip.plastic || !step.skip.hardening)) {
+    const V V_0 = load_slot(at, slot_V_0);
+    p.E_P = load_matrix(at, slot_E_P);
+    if (yields) flow(d, m, V_0, trial, p);
+    if (HWY_UNLIKELY(!step.skip.hardening)) p.stiffness = stiffness(d, m, V_0, p.E_P);
+    store_matrix(p.E_P, at, slot_E_P);
+    store_slot(p.stiffness, at, slot_stiffness);
+  }
+  const auto good = And(trial.inside, stress(d, m, trial.E, trial.J_minus_1, p));
+  store_matrix(p.E_E, at, slot_E_E);
+  store_tau(p.tau, at);
+  expect_finite(at, good, i, n, report);
+  return yields;
+}
+
+/// The same where the scene has several materials.
+template <class T>
+HWY_INLINE void deform_mixture(const StepConstants<T>& step, const kn::Mat3<Vec<T>>& h_gradient,
+                               T* q, int i, int n, FaultReport& report) {
   const Lanes<T> d;
-  const auto dt_over_h = hn::Set(d, step.dt_over_h);
+  const OneVector<T> at{q};
   kn::Mat3<Vec<T>> g;
-  for (int k = 0; k < 9; ++k) g.m[k] = hn::Mul(gathered.gradient[k], dt_over_h);
-  Deformation<T> p = load_deformation(q);
+  for (int k = 0; k < 9; ++k) g.m[k] = h_gradient.m[k] * hn::Set(d, step.dt_over_h);
+  Deformation<Vec<T>> p = load_deformation(at);
   p.E_E = kn::trial_deformation(p.E_E, g);
-  const auto V_0 = hn::Load(d, q + slot_V_0 * chunk_lanes<T>);
-  const auto good = HWY_LIKELY(step.material_count == 1)
-                        ? return_map<T>(step.materials[0], V_0, step.certify, p)
-                        : return_map_of_mixture(step, q, V_0, p);
-  if (!hn::AllTrue(d, good))
-    expect<T>(hn::And(finite<T>(p.E_E.m, 9), finite<T>(p.E_P.m, 9)), i, n, Fault::deformation,
-              report);
-  store_matrix(p.E_E, q, slot_E_E);
-  store_matrix(p.E_P, q, slot_E_P);
-  store_stress(p, q);
+  const auto good = return_map_of_mixture(step, q, load_slot(at, slot_V_0), p);
+  store_matrix(p.E_E, at, slot_E_E);
+  store_matrix(p.E_P, at, slot_E_P);
+  store_slot(p.stiffness, at, slot_stiffness);
+  store_tau(p.tau, at);
+  expect_finite(at, good, i, n, report);
 }
 
 /// v_p = (1−α) Σ v_new w + α (v_p + Σ (v_new − vⁿ) w) = α v_p + Σ u w.
@@ -144,34 +228,70 @@ HWY_INLINE hn::Mask<Lanes<T>> move(const StepConstants<T>& step, const BlockView
   return stays;
 }
 
+/// Stages 7 and 8 of one vector after the other or, in the common case, of two side by
+/// side. Returns whether something may have yielded.
+template <class T>
+HWY_INLINE bool deform_vectors(const StepConstants<T>& step, const Gathered<T>* gathered,
+                               T* const* q, int i, int n, FaultReport& report) {
+  constexpr int L = lane_count<T>;
+  if (HWY_UNLIKELY(step.slots > slots_common)) {
+    deform_mixture(step, gathered[0].gradient, q[0], i, n < L ? n : L, report);
+    if (n > L) deform_mixture(step, gathered[1].gradient, q[1], i + L, n - L, report);
+    return true;
+  }
+  if (HWY_UNLIKELY(n <= L))
+    return deform(step, gathered[0].gradient, OneVector<T>{q[0]}, i, n, report);
+  kn::Mat3<kn::Pair<Vec<T>>> gradient;
+  for (int k = 0; k < 9; ++k)
+    gradient.m[k] = {gathered[0].gradient.m[k], gathered[1].gradient.m[k]};
+  return deform(step, gradient, TwoVectors<T>{q[0], q[1]}, i, n, report);
+}
+
+/// Appends the lanes that move() did not keep.
+template <class T>
+HWY_INLINE int note_leavers(const hn::Mask<Lanes<T>>& stays, int i, int n, std::int32_t* leavers,
+                            int known) {
+  const Lanes<T> d;
+  const auto leaves = hn::And(hn::Not(stays), hn::FirstN(d, static_cast<std::size_t>(n)));
+  if (HWY_LIKELY(hn::AllFalse(d, leaves))) return known;
+  alignas(64) T flag[lane_count<T>];
+  hn::Store(hn::IfThenElseZero(leaves, hn::Set(d, T(1))), d, flag);
+  for (int l = 0; l < n; ++l)
+    if (flag[l] != 0) leavers[known++] = i + l;
+  return known;
+}
+
 template <class T>
 int update(const BlockView<T>& block, const StepConstants<T>& step, const Workspace<T>& work,
            int passes, FaultReport& report) {
-  const Lanes<T> d;
   constexpr int L = lane_count<T>;
+  constexpr int ahead = 2 * L > chunk_lanes<T> ? 2 * L : chunk_lanes<T>;
   const ZKernel<T> kernel;
   const Row<T> gradient_lanes = gradient_lane_mask<T>();
   int leavers = 0;
-  for (int i = 0; i < block.count; i += L) {
-    T* q = vector_of(block, step.slots, i);
-    const int n = block.count - i < L ? block.count - i : L;
-    if (i % chunk_lanes<T> == 0)
-      prefetch_chunk(block, step.slots, i + chunk_lanes<T>, 0, step.slots);
+  bool yields = true;
+  for (int i = 0; i < block.count; i += 2 * L) {
+    const int n = block.count - i < 2 * L ? block.count - i : 2 * L;
+    const int part[2] = {n < L ? n : L, n - L};
+    T* const q[2] = {vector_of(block, step.slots, i), vector_of(block, step.slots, i + L)};
+    Gathered<T> gathered[2];
     if (passes & (pass_deformation | pass_velocity)) {
-      Gathered<T> gathered;
-      gather(kernel, gradient_lanes, q, n, work.coefficients, gathered);
-      if (passes & pass_deformation) deform(step, gathered, q, i, n, report);
-      if (passes & pass_velocity) blend_velocity(step, gathered, q, i, n, report);
-    }
-    if (passes & pass_position) {
-      const auto stays = move(step, block, q, i, n, report);
-      const auto leaves = hn::And(hn::Not(stays), hn::FirstN(d, static_cast<std::size_t>(n)));
-      if (HWY_UNLIKELY(!hn::AllFalse(d, leaves))) {
-        alignas(64) T flag[L];
-        hn::Store(hn::IfThenElseZero(leaves, hn::Set(d, T(1))), d, flag);
-        for (int l = 0; l < n; ++l)
-          if (flag[l] != 0) work.leavers[leavers++] = i + l;
+      for (int k = 0; k < 2 && part[k] > 0; ++k) {
+        const int next = i + k * L + ahead;
+        const ChunkAhead<T> chunk_ahead{
+            next < block.count ? vector_of(block, step.slots, next - next % chunk_lanes<T>)
+                               : nullptr,
+            (i + k * L) % chunk_lanes<T>, yields};
+        gather(kernel, gradient_lanes, q[k], part[k], work.coefficients, chunk_ahead, gathered[k]);
       }
+      if (passes & pass_deformation) yields = deform_vectors(step, gathered, q, i, n, report);
+    }
+    for (int k = 0; k < 2 && part[k] > 0; ++k) {
+      const int first = i + k * L;
+      if (passes & pass_velocity) blend_velocity(step, gathered[k], q[k], first, part[k], report);
+      if (passes & pass_position)
+        leavers = note_leavers<T>(move(step, block, q[k], first, part[k], report), first, part[k],
+                                  work.leavers, leavers);
     }
   }
   return leavers;
@@ -183,15 +303,17 @@ void stress_pass(const BlockView<T>& block, const StepConstants<T>& step) {
   const Lanes<T> d;
   for (int i = 0; i < block.count; i += lane_count<T>) {
     T* q = vector_of(block, step.slots, i);
-    const auto V_0 = hn::Load(d, q + slot_V_0 * chunk_lanes<T>);
-    Deformation<T> p = load_deformation(q);
+    const OneVector<T> at{q};
+    const Vec<T> V_0 = load_slot(at, slot_V_0);
+    Deformation<Vec<T>> p = load_deformation(at);
     for_each_material(step, q, [&](const MaterialConstants<T>& m, const auto& lanes) HWY_ATTR {
-      Deformation<T> mine = p;
-      mine.stiffness = stiffness<T>(m, V_0, p.E_P);
-      stress<T>(m, kn::left_strain(p.E_E), kn::det_minus_one(p.E_E), mine);
-      select_into<T>(lanes, mine, p);
+      Deformation<Vec<T>> mine = p;
+      mine.stiffness = stiffness(d, m, V_0, p.E_P);
+      stress(d, m, kn::left_strain(p.E_E), kn::det_minus_one(p.E_E), mine);
+      select_into(lanes, mine, p);
     });
-    store_stress(p, q);
+    store_slot(p.stiffness, at, slot_stiffness);
+    store_tau(p.tau, at);
   }
 }
 

@@ -86,6 +86,23 @@ Scene periodic_snow(bool multiple_of_four) {
   return scene;
 }
 
+Scene block_at_rest() {
+  Scene scene = base(0.05, 1e-4);
+  scene.gravity = Vec3::Zero();
+  scene.materials = {snow(1.4e5, 10)};
+  Body rest;
+  rest.shape = Box{Vec3(0, 0, 0), Vec3(0.6, 0.3, 0.3)};
+  rest.seed = 4;
+  scene.bodies = {rest, ball(Vec3(-0.19, 0.14, 0.16), 0.15, Vec3(12, 0, -2), 0)};
+  scene.bodies[1].angular_velocity = Vec3::Zero();
+  Collider wall;
+  wall.shape = HalfSpace{Vec3(0, 0, 0.02), Vec3(0, 0, 1)};
+  wall.friction = 0;
+  wall.velocity = Vec3(1, 2, 0);
+  scene.colliders = {wall};
+  return scene;
+}
+
 State advanced(const Scene& scene, int steps) {
   const std::unique_ptr<Solver> solver = optimized(Precision::float64);
   State state = initial_state(scene);

@@ -18,6 +18,10 @@ Scene collision_of_everything();
 /// are not (5, 7, 9) multiples of a block.
 Scene periodic_snow(bool multiple_of_four);
 
+/// Weightless: a ball flies into a block that rests, undeformed, beside a wall without
+/// friction, which it is pushed along. One material.
+Scene block_at_rest();
+
 /// A state some steps on, reached by the solver itself: moving, deformed and yielding.
 State advanced(const Scene& scene, int steps);
 
