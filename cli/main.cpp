@@ -61,6 +61,7 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
   add_run(app, context);
   add_check(app, context);
   add_compare(app, context);
+  add_verify(app, context);
   add_bench(app, context);
   add_report(app, context);
   add_info(app, context);

@@ -59,10 +59,10 @@ std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
 std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver) {
   auto option = std::make_shared<SolverOption>();
   option->name = default_solver;
-  verb.add_option(
-          "--solver", option->name,
-          "a name that `firn solvers` prints, ./LIBRARY.so, \"exec:COMMAND {in} {out} {steps}\", or "
-          "mutant:NAME, a wrong solver on purpose")
+  verb.add_option("--solver", option->name,
+                  "a name that `firn solvers` prints, ./LIBRARY.so, \"exec:COMMAND {in} {out} "
+                  "{steps}\", or "
+                  "mutant:NAME, a wrong solver on purpose")
       ->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,

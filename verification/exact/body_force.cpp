@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "bench/exact.hpp"
+#include "verification/exact/exact.hpp"
 
-namespace firn::bench {
+namespace firn::exact {
 
 namespace {
 
@@ -73,4 +73,4 @@ void ExactProblem::push(State& state) const {
     });
 }
 
-}  // namespace firn::bench
+}  // namespace firn::exact

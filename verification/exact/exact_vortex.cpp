@@ -2,11 +2,11 @@
 
 #include <cmath>
 
-#include "bench/exact_parts.hpp"
+#include "verification/exact/exact_parts.hpp"
 
-namespace firn::bench {
+namespace firn::exact {
 
-using namespace exact;
+using namespace parts;
 
 namespace {
 
@@ -102,4 +102,4 @@ ExactProblem vortex(int cells, double cfl, const AlphaPolicy& policy, double G) 
   return problem;
 }
 
-}  // namespace firn::bench
+}  // namespace firn::exact

@@ -1,13 +1,13 @@
-#include "bench/exact.hpp"
+#include "verification/exact/exact.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "bench/exact_parts.hpp"
+#include "verification/exact/exact_parts.hpp"
 
-namespace firn::bench {
+namespace firn::exact {
 
-namespace exact {
+namespace parts {
 
 Material elastic_material() {
   Material m;
@@ -49,9 +49,9 @@ void fill(ExactProblem& problem, int cells_x, int cells_y, int cells_z) {
   }
 }
 
-}  // namespace exact
+}  // namespace parts
 
-using namespace exact;
+using namespace parts;
 
 namespace {
 
@@ -166,4 +166,4 @@ ExactProblem column(int cells, double cfl, const AlphaPolicy& policy) {
   return problem;
 }
 
-}  // namespace firn::bench
+}  // namespace firn::exact

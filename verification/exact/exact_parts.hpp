@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "bench/exact.hpp"
+#include "verification/exact/exact.hpp"
 
-namespace firn::bench::exact {
+namespace firn::exact::parts {
 
 /// Soft and purely elastic.
 Material elastic_material();
@@ -18,4 +18,4 @@ Scene elastic_scene(const std::string& name, double h, double dt, double alpha);
 /// 8 per cell on a lattice over cells_x × cells_y × cells_z cells.
 void fill(ExactProblem& problem, int cells_x, int cells_y, int cells_z);
 
-}  // namespace firn::bench::exact
+}  // namespace firn::exact::parts

@@ -1,0 +1,183 @@
+#include "cli/mutation_score.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "bench/machine_facts.hpp"
+#include "bench/results_file.hpp"
+#include "cli/verbs.hpp"
+#include "firn/error.hpp"
+#include "verification/cases/snow.hpp"
+#include "verification/check/check.hpp"
+#include "verification/mutants/mutants.hpp"
+#include "verification/suite/run.hpp"
+#include "verification/suite/subject.hpp"
+
+namespace firn::cli {
+
+namespace {
+
+suite::Subject subject_of(const std::string& solver, const Registry& registry) {
+  suite::Subject subject;
+  subject.solver = solver;
+  subject.command = "firn verify --solver " + solver;
+  subject.create = [solver, &registry](int threads) {
+    SolverOptions options;
+    options.threads = threads;
+    return names_a_mutant(solver) ? make_mutant_solver(solver, options)
+                                  : registry.create(solver, options);
+  };
+  subject.create_reference = [&registry] { return registry.create("reference", {}); };
+  return subject;
+}
+
+/// The first test that fails with this filter, run in a process of its own; "" if all pass.
+std::string first_failure(const std::string& solver, const std::string& filter,
+                          const Registry& registry) {
+  int ends[2];
+  if (pipe(ends) != 0)
+    throw InputError("--mutants", "pipe", std::strerror(errno), "two descriptors");
+  std::fflush(nullptr);
+  const pid_t pid = fork();
+  if (pid < 0) throw InputError("--mutants", "process", std::strerror(errno), "one more process");
+  if (pid == 0) {
+    suite::set_subject(subject_of(solver, registry));
+    suite::RunOptions options;
+    options.filter = filter;
+    options.fail_fast = true;
+    options.quiet = true;
+    std::string failed;
+    for (const suite::TestResult& test : suite::run(options).tests)
+      if (test.failed && failed.empty()) failed = test.topic + "." + test.name;
+    const ssize_t written = write(ends[1], failed.data(), failed.size());
+    _exit(written == static_cast<ssize_t>(failed.size()) ? 0 : 1);
+  }
+  close(ends[1]);
+  std::string name;
+  char buffer[256];
+  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
+    name.append(buffer, static_cast<std::size_t>(n));
+  close(ends[0]);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return "a crash";
+  return name;
+}
+
+/// What lockstep says first, over all cases.
+std::optional<Divergence> named_by_check(const std::string& solver, const Registry& registry) {
+  for (const cases::Case& c : cases::snow_cases()) {
+    const auto reference = registry.create("reference", {});
+    const auto subject = subject_of(solver, registry).create(1);
+    const CheckReport report =
+        run_check(c.scene, c.state, *reference, *subject, {.steps = c.steps});
+    if (!report.valid()) return report.first_divergence;
+  }
+  return {};
+}
+
+struct Score {
+  const Mutant* mutant;
+  std::string by_properties;  ///< first failure of the suites that know no other solver
+  std::string caught_by;      ///< that, or the first of those that compare with the reference
+  std::string named;          ///< stages that check names
+  bool stage_right = false;
+};
+
+/// The suites that compare with the reference come last: what the properties of the method
+/// catch is worth more.
+constexpr const char* properties = "*-Lockstep.*:FreeRunning.*";
+constexpr const char* comparisons = "Lockstep.*:FreeRunning.*";
+
+Score score_of(const Mutant& mutant, const Registry& registry) {
+  Score score;
+  score.mutant = &mutant;
+  const std::string solver = "mutant:" + mutant.name;
+  score.by_properties = first_failure(solver, properties, registry);
+  score.caught_by = score.by_properties;
+  if (score.caught_by.empty()) score.caught_by = first_failure(solver, comparisons, registry);
+  const std::optional<Divergence> first = named_by_check(solver, registry);
+  if (first) {
+    score.named = stage_range(first->from, first->through);
+    const bool pinned = first->from == first->through;
+    score.stage_right =
+        first->from <= mutant.stage && mutant.stage <= first->through && (mutant.several || pinned);
+  } else {
+    score.stage_right = !mutant.check_sees_it;
+  }
+  return score;
+}
+
+std::string stage_of(const Mutant& mutant) {
+  return mutant.several ? "several" : stage_range(mutant.stage, mutant.stage);
+}
+
+void write(const std::string& path, const std::vector<Score>& scores) {
+  results::ResultsFile file(path, bench::machine_facts(0), bench::comparable_facts());
+  std::vector<results::Mutant> rows;
+  for (const Score& s : scores)
+    rows.push_back({s.mutant->name, s.mutant->mistake, stage_of(*s.mutant), s.named, s.caught_by,
+                    !s.caught_by.empty()});
+  file.append_mutants("firn verify --mutants", rows);
+}
+
+}  // namespace
+
+int run_mutation_score(const Registry& registry, const std::string& results, bool json) {
+  const std::string unmutated = first_failure("reference", "", registry);
+  std::vector<Score> scores;
+  for (const Mutant& mutant : all_mutants()) {
+    scores.push_back(score_of(mutant, registry));
+    const Score& s = scores.back();
+    std::fprintf(stderr, "%-34s %-28s %-28s %s\n", mutant.name.c_str(), stage_of(mutant).c_str(),
+                 s.named.c_str(), s.caught_by.empty() ? "SURVIVED" : s.caught_by.c_str());
+  }
+  if (!results.empty()) write(results, scores);
+  const auto count = [&](auto holds) { return std::count_if(scores.begin(), scores.end(), holds); };
+  const auto caught = count([](const Score& s) { return !s.caught_by.empty(); });
+  const auto by_properties = count([](const Score& s) { return !s.by_properties.empty(); });
+  const auto single =
+      count([](const Score& s) { return !s.mutant->several && s.mutant->check_sees_it; });
+  const auto named = count([](const Score& s) {
+    return !s.mutant->several && s.mutant->check_sees_it && s.stage_right;
+  });
+  const auto right = count([](const Score& s) { return s.stage_right; });
+  const auto all = static_cast<std::ptrdiff_t>(scores.size());
+  const bool valid = unmutated.empty() && caught == all && right == all;
+  if (json) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Score& s : scores)
+      list.push_back({{"name", s.mutant->name},
+                      {"patch", s.mutant->mistake},
+                      {"stage", stage_of(*s.mutant)},
+                      {"named_stage", s.named},
+                      {"stage_right", s.stage_right},
+                      {"caught_by", s.caught_by},
+                      {"caught_without_reference", !s.by_properties.empty()}});
+    const nlohmann::json report = {{"verdict", valid ? "VALID" : "INVALID"},
+                                   {"unmutated_fails", unmutated},
+                                   {"caught", caught},
+                                   {"mutants", list}};
+    fmt::print("{}\n", report.dump(2));
+  } else {
+    fmt::print("{:<34} {:<28} {:<28} {}\n", "mutant", "lives in", "check names", "caught by");
+    for (const Score& s : scores)
+      fmt::print("{:<34} {:<28} {:<28} {}{}\n", s.mutant->name, stage_of(*s.mutant),
+                 s.named.empty() ? "-" : s.named, s.caught_by.empty() ? "SURVIVED" : s.caught_by,
+                 s.stage_right ? "" : "  WRONG STAGE");
+    fmt::print(
+        "\n{}: {} of {} mutants caught, {} of them without a comparison with the reference; check "
+        "names the stage of {} of {} that live in one; the un-mutated solver {}\n",
+        valid ? "VALID" : "INVALID", caught, all, by_properties, named, single,
+        unmutated.empty() ? "passes" : "FAILS " + unmutated);
+  }
+  return valid ? exit_done : exit_failed;
+}
+
+}  // namespace firn::cli

@@ -1,0 +1,14 @@
+#pragma once
+/// firn verify --mutants: does the suite catch what is wrong on purpose?
+
+#include <string>
+
+#include "firn/registry.hpp"
+
+namespace firn::cli {
+
+/// Runs the suite on every mutant, each in a process of its own, and lockstep for the stage it
+/// names; prints the table, adds it to the results file unless `results` is empty. Exit status.
+int run_mutation_score(const Registry& registry, const std::string& results, bool json);
+
+}  // namespace firn::cli

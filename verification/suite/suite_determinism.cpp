@@ -1,0 +1,120 @@
+/// A solver is a function: the same input gives the same bits.
+
+#include <cstring>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "verification/suite/probes.hpp"
+
+namespace firn::suite {
+namespace {
+
+int steps() { return effort(12, 2); }
+
+State run_case(const cases::Case& c, Solver& solver, int count) {
+  solver.load(c.scene, c.state);
+  for (int n = 0; n < count; ++n) solver.step(solver.choose_time_step().dt);
+  State state;
+  solver.store(state);
+  return state;
+}
+
+template <class T>
+std::int64_t different(const std::vector<T>& a, const std::vector<T>& b) {
+  if (a.size() != b.size()) return static_cast<std::int64_t>(a.size() + b.size());
+  std::int64_t count = 0;
+  for (std::size_t k = 0; k < a.size(); ++k)
+    count += std::memcmp(&a[k], &b[k], sizeof(T)) == 0 ? 0 : 1;
+  return count;
+}
+
+void same_bits(const std::string& what, const State& a, const State& b) {
+  const Particles &p = a.particles, &q = b.particles;
+  const std::int64_t count = different(p.x, q.x) + different(p.v, q.v) + different(p.F_E, q.F_E) +
+                             different(p.F_P, q.F_P) + different(p.V_0, q.V_0);
+  expect(what, count == 0, fmt::format("{} of {} particle quantities differ", count, 5 * p.size()));
+}
+
+std::vector<cases::Case> some_cases() {
+  std::vector<cases::Case> list = {cases::lump_on_slope(), cases::periodic_lump()};
+  if (solves_implicitly()) list.push_back(cases::implicit_lump());
+  return list;
+}
+
+TEST(Determinism, number_of_threads) {
+  for (const cases::Case& c : some_cases()) {
+    const State one = run_case(c, *subject().create(1), steps());
+    for (const int threads : {2, 3, 5})
+      same_bits(fmt::format("{}: {} threads", c.name, threads), one,
+                run_case(c, *subject().create(threads), steps()));
+  }
+}
+
+TEST(Determinism, the_same_run_twice) {
+  for (const cases::Case& c : some_cases())
+    same_bits(c.name, run_case(c, *make_subject(), steps()), run_case(c, *make_subject(), steps()));
+}
+
+/// What a solver did before must not matter: its memory, its order of particles.
+TEST(Determinism, what_was_before) {
+  for (const cases::Case& c : some_cases()) {
+    const State fresh = run_case(c, *make_subject(), 2);
+    const auto used = make_subject();
+    run_case(cases::lump_on_slope(), *used, 3);
+    same_bits(c.name, fresh, run_case(c, *used, 2));
+  }
+}
+
+/// Loaded again after every step with what it stored (and its own restart data), it goes on as if
+/// nothing had happened.
+TEST(Determinism, stored_and_loaded) {
+  for (const cases::Case& c : some_cases()) {
+    const State whole = run_case(c, *make_subject(), steps());
+    State state = c.state;
+    std::vector<std::byte> rest;
+    for (int n = 0; n < steps(); ++n) {
+      const auto solver = make_subject();
+      solver->load(c.scene, state);
+      if (!rest.empty()) solver->load_restart(rest);
+      solver->step(solver->choose_time_step().dt);
+      solver->store(state);
+      rest.resize(solver->restart_size());
+      solver->store_restart(rest);
+    }
+    same_bits(c.name, whole, state);
+  }
+}
+
+/// A pause to look at the state changes nothing.
+TEST(Determinism, looking_does_not_disturb) {
+  for (const cases::Case& c : some_cases()) {
+    const State unseen = run_case(c, *make_subject(), steps());
+    const auto solver = make_subject();
+    solver->load(c.scene, c.state);
+    State state;
+    for (int n = 0; n < steps(); ++n) {
+      solver->step(solver->choose_time_step().dt);
+      solver->store(state);
+      solver->diagnostics();
+    }
+    same_bits(c.name, unseen, state);
+  }
+}
+
+TEST(Determinism, step_equals_its_stages) {
+  for (const cases::Case& c : some_cases()) {
+    const State whole = run_case(c, *make_subject(), steps());
+    const auto solver = make_subject();
+    solver->load(c.scene, c.state);
+    for (int n = 0; n < steps(); ++n) {
+      const double dt = solver->choose_time_step().dt;
+      for (const Stage stop : solver->traits().stops) solver->advance_through(stop, dt);
+    }
+    State staged;
+    solver->store(staged);
+    same_bits(c.name, whole, staged);
+  }
+}
+
+}  // namespace
+}  // namespace firn::suite
