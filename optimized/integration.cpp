@@ -1,22 +1,12 @@
 /// Step 6 as the solver runs it: the semi-implicit solve and what stages 7 and 8 gather.
 
-#include <cstdlib>
 #include <omp.h>
 #include <string>
-#include <string_view>
 
 #include "firn/error.hpp"
 #include "optimized/solver.hpp"
 
 namespace firn::optimized {
-
-bool block_preconditioner_from_environment() {
-  const char* const text = std::getenv("FIRN_PRECONDITIONER");
-  const std::string_view name = text == nullptr ? "block" : text;
-  if (name != "block" && name != "mass")
-    throw InputError("FIRN_PRECONDITIONER", "preconditioner", std::string(name), "block, mass");
-  return name == "block";
-}
 
 namespace {
 

@@ -43,7 +43,7 @@ OptimizedSolver<T>::OptimizedSolver(const SolverOptions& options)
     : skips_(SkipSet::from_environment()),
       threads_(options.threads),
       kernels_((select_target_from_environment(), kernels<T>())),
-      implicit_(options.threads, block_preconditioner_from_environment()),
+      implicit_(options.threads),
       memory_(static_cast<std::size_t>(options.threads)) {}
 
 template <class T>

@@ -30,9 +30,6 @@ struct ThreadMemory {
   std::size_t bytes() const;
 };
 
-/// FIRN_PRECONDITIONER: "block" (the default) or "mass". InputError for anything else.
-bool block_preconditioner_from_environment();
-
 template <class T>
 class OptimizedSolver final : public Solver {
  public:

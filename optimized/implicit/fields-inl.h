@@ -110,14 +110,6 @@ double multiply(const T* y, const T* f, const T* m, double factor, double s, dou
   return sum_of_lanes<T>(sum);
 }
 
-template <class T>
-void subtract(double c, const T* x, T* z) {
-  const Lanes<T> d;
-  const auto c_ = hn::Set(d, static_cast<T>(c));
-  for (int i = 0; i < field_size; i += lane_count<T>)
-    hn::Store(hn::NegMulAdd(c_, hn::Load(d, x + i), hn::Load(d, z + i)), d, z + i);
-}
-
 /// The symmetric matrix of vector i of a block.
 template <class T>
 HWY_INLINE kn::Sym3<Vec<T>> load_symmetric(const T* matrix, int i) {
@@ -140,43 +132,39 @@ HWY_INLINE void store_field(const kn::Vec3<Vec<T>>& v, T* x, int i) {
 }
 
 template <class T>
-double precondition(const T* inverse, const T* z, const T* m, T* y) {
+void project(const T* projector, T* x) {
+  for (int i = 0; i < nodes_per_block; i += lane_count<T>)
+    store_field<T>(kn::mul(load_symmetric(projector, i), load_field(x, i)), x, i);
+}
+
+template <class T>
+double subtract(double c, const T* x, const T* projector, const T* m, T* z) {
   const Lanes<T> d;
+  const auto c_ = hn::Set(d, static_cast<T>(c));
   auto sum = hn::Zero(d);
   for (int i = 0; i < nodes_per_block; i += lane_count<T>) {
-    const auto z_i = load_field(z, i);
-    const auto y_i = inverse != nullptr ? kn::mul(load_symmetric(inverse, i), z_i) : z_i;
-    store_field<T>(y_i, y, i);
-    sum = hn::MulAdd(hn::Load(d, m + i), kn::dot(z_i, y_i), sum);
+    const auto x_i = load_field(x, i);
+    auto z_i = load_field(z, i);
+    for (int a = 0; a < 3; ++a) z_i[a] = hn::NegMulAdd(c_, x_i[a], z_i[a]);
+    if (projector != nullptr) z_i = kn::mul(load_symmetric(projector, i), z_i);
+    store_field<T>(z_i, z, i);
+    sum = hn::MulAdd(hn::Load(d, m + i), kn::dot(z_i, z_i), sum);
   }
   return sum_of_lanes<T>(sum);
 }
 
 template <class T>
-double advance(const T* y, double s, double a, double b, double c, double step, double keep,
-               double lose, const T* z, const T* w, const T* m, T* w_last, T* x, T* r) {
+void advance(const T* z, double s, double a, double b, double step, const T* w, T* w_last, T* x) {
   const Lanes<T> d;
   const auto set = [&](double value) HWY_ATTR { return hn::Set(d, static_cast<T>(value)); };
-  const auto s_ = set(s / c), a_ = set(a / c), b_ = set(b / c), step_ = set(step),
-             keep_ = set(keep), lose_ = set(lose);
-  auto sum = hn::Zero(d);
-  for_each_vector(m, [&](int i, const Vec<T>& mass) HWY_ATTR {
-    auto w_new = hn::Mul(s_, hn::Load(d, y + i));
+  const auto s_ = set(s), a_ = set(a), b_ = set(b), step_ = set(step);
+  for (int i = 0; i < field_size; i += lane_count<T>) {
+    auto w_new = hn::Mul(s_, hn::Load(d, z + i));
     w_new = hn::NegMulAdd(a_, hn::Load(d, w_last + i), w_new);
     w_new = hn::NegMulAdd(b_, hn::Load(d, w + i), w_new);
     hn::Store(w_new, d, w_last + i);
     hn::Store(hn::MulAdd(step_, w_new, hn::Load(d, x + i)), d, x + i);
-    const auto r_i = hn::NegMulAdd(lose_, hn::Load(d, z + i), hn::Mul(keep_, hn::Load(d, r + i)));
-    hn::Store(r_i, d, r + i);
-    sum = hn::MulAdd(hn::Mul(mass, r_i), r_i, sum);
-  });
-  return sum_of_lanes<T>(sum);
-}
-
-template <class T>
-void project(const T* projector, T* x) {
-  for (int i = 0; i < nodes_per_block; i += lane_count<T>)
-    store_field<T>(kn::mul(load_symmetric(projector, i), load_field(x, i)), x, i);
+  }
 }
 
 }  // namespace HWY_NAMESPACE

@@ -31,16 +31,14 @@ struct HessianKernels {
 /// are summed in a fixed order.
 template <class T>
 struct FieldKernels {
-  /// z = s (y + factor f/m) − ratio z; returns (s y, z). 0 where there is no mass.
-  double (*multiply)(const T* y, const T* f, const T* m, double factor, double s, double ratio,
-                     T* z);
-  /// z −= c x.
-  void (*subtract)(double c, const T* x, T* z);
-  /// y = M⁻¹z with the preconditioner's inverse; returns (z, y). Null: y = z.
-  double (*precondition)(const T* inverse, const T* z, const T* m, T* y);
-  /// w_last = (s y − a w_last − b w) / c, d += step w_last, r = keep r − lose z; returns (r, r).
-  double (*advance)(const T* y, double s, double a, double b, double c, double step, double keep,
-                    double lose, const T* z, const T* w, const T* m, T* w_last, T* d, T* r);
+  /// z_new = s (z + factor f/m) − ratio z_new; returns (s z, z_new). 0 where there is no mass.
+  double (*multiply)(const T* z, const T* f, const T* m, double factor, double s, double ratio,
+                     T* z_new);
+  /// z = P (z − c x), P null: everything is free; returns (z, z).
+  double (*subtract)(double c, const T* x, const T* projector, const T* m, T* z);
+  /// w_last = s z − a w_last − b w, x += step w_last.
+  void (*advance)(const T* z, double s, double a, double b, double step, const T* w, T* w_last,
+                  T* x);
   /// x = P x.
   void (*project)(const T* projector, T* x);
 };
@@ -52,14 +50,6 @@ struct SetupKernels {
   /// written, too.
   void (*factors)(const BlockView<S>&, const StepConstants<S>&, std::uint8_t* cells,
                   std::int32_t* begin, S* chunks);
-
-  /// Values in the stiffness tile, its sums, and how they become planar.
-  int stiffness_tile_size, stiffness_sums_size;
-  /// Σ_p V_p0 [(λ+μ) ∂w ∂wᵀ + μ |∂w|² I] onto a tile.
-  void (*stiffness)(const HessianBlock<S>&, S* tile);
-  void (*add_stiffness)(const S* tile, const Region&, S* sums);
-  /// (P (I + factor D/m) P)⁻¹ on the range of P; P null: everything is free.
-  void (*invert)(const S* sums, const S* m, double factor, const S* projector, S* inverse);
 };
 
 const HessianKernels<float, float>& hessian_float();

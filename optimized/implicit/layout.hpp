@@ -41,11 +41,4 @@ inline constexpr int field_size = 3 * nodes_per_block;
 /// A symmetric matrix at the nodes of one node block, planar: [xx xy xz yy yz zz][node].
 inline constexpr int matrix_size = 6 * nodes_per_block;
 
-/// One term s x of a sum of node fields.
-template <class T>
-struct Term {
-  double s;
-  const T* x;
-};
-
 }  // namespace firn::optimized

@@ -54,8 +54,7 @@ void ImplicitSystem<S>::assemble(const ParticleStore<S>& particles, NodeStore<S>
   factor_ = factor;
   const std::size_t n = nodes.size();
   v_.require(n * field_size), residual_.require(n * field_size), partial_.require(n);
-  for (AlignedArray<S>* field : {&z_last_, &z_, &y_, &y_next_, &w_last_, &w_, &d_, &r_})
-    field->require(n * field_size);
+  for (AlignedArray<S>* field : {&z_last_, &z_, &w_last_, &w_, &d_}) field->require(n * field_size);
   thread_.resize(static_cast<std::size_t>(threads_));
   for (Thread& thread : thread_) {
     const auto particles_at_most = static_cast<std::size_t>(particles.largest_block());
@@ -66,47 +65,7 @@ void ImplicitSystem<S>::assemble(const ParticleStore<S>& particles, NodeStore<S>
     std::fill_n(thread.numbers.data(), thread.numbers.bytes() / sizeof(double), 0.0);
     thread.field.require(static_cast<std::size_t>(local_size + field_size));
   }
-  find_components();
   factor_particles(step);
-  if (block_preconditioner_) build_preconditioner();
-}
-
-/// Node blocks that a particle block ties together belong to the same component. A body
-/// further than a block from every other is a component of its own.
-template <class S>
-void ImplicitSystem<S>::find_components() {
-  const std::size_t n = node_blocks();
-  component_.resize(n);
-  for (std::size_t i = 0; i < n; ++i) component_[i] = static_cast<int>(i);
-  const auto root = [&](int i) {
-    while (component_[static_cast<std::size_t>(i)] != i)
-      i = component_[static_cast<std::size_t>(i)] =
-          component_[static_cast<std::size_t>(component_[static_cast<std::size_t>(i)])];
-    return i;
-  };
-  const auto tie = [&](int a, int b) {
-    a = root(a), b = root(b);
-    component_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  };
-  for (std::size_t a = 0; a < particles_->active().size(); ++a) {
-    const Surroundings& s = nodes_->surroundings(a);
-    if (s.first_region < 0) {
-      for (const int other : s.node_block) tie(s.node_block[0], other);
-    } else {
-      for (int k = 0; k < s.region_count; ++k)
-        tie(nodes_->regions(s)[0].node_block, nodes_->regions(s)[k].node_block);
-    }
-  }
-  // Roots are the smallest of their component; numbered in that order.
-  for (std::size_t i = 0; i < n; ++i) component_[i] = root(static_cast<int>(i));
-  int count = 0;
-  for (std::size_t i = 0; i < n; ++i)
-    component_[i] = component_[i] == static_cast<int>(i)
-                        ? count++
-                        : component_[static_cast<std::size_t>(component_[i])];
-  component_mass_.assign(static_cast<std::size_t>(count), 0);
-  component_momentum_.assign(static_cast<std::size_t>(3 * count), 0);
-  component_held_.assign(static_cast<std::size_t>(count), 0);
 }
 
 template <class S>
@@ -134,37 +93,6 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
     kernels.factors(particles_->view(block), step,
                     thread_[static_cast<std::size_t>(omp_get_thread_num())].cells.data(),
                     begin_.data() + a * (nodes_per_block + 1), chunks);
-  }
-}
-
-/// Block Jacobi for M + βΔt²H with the stiffness that is positive by construction,
-/// D_i = Σ_p V_p0 [(λ+μ) ∇w ∇wᵀ + μ |∇w|² I]: no second derivatives per particle.
-template <class S>
-void ImplicitSystem<S>::build_preconditioner() {
-  inverse_.require(node_blocks() * matrix_size);
-  const SetupKernels<S>& kernels = setup_kernels<S>();
-  const int n = static_cast<int>(particles_->active().size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
-  for (int i = 0; i < n; ++i) {
-    const auto a = static_cast<std::size_t>(i);
-    kernels.stiffness({chunks_.data() + first_[a], begin_.data() + a * (nodes_per_block + 1)},
-                      nodes_->tile(a));
-  }
-  const int blocks = static_cast<int>(node_blocks());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 16)
-  for (int i = 0; i < blocks; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    Thread& thread = thread_[static_cast<std::size_t>(omp_get_thread_num())];
-    S* const sums = reinterpret_cast<S*>(thread.field.data());
-    std::fill_n(sums, kernels.stiffness_sums_size, S(0));
-    const NodeBlock& block = nodes_->block(k);
-    const Share* share = nodes_->shares(block);
-    for (int s = 0; s < block.share_count; ++s)
-      kernels.add_stiffness(nodes_->tile(static_cast<std::size_t>(share[s].tile_number)),
-                            share[s].region, sums);
-    kernels.invert(sums, nodes_->fields(k).m, factor_,
-                   held(k) ? projector_.data() + k * matrix_size : nullptr,
-                   inverse_.data() + k * matrix_size);
   }
 }
 
@@ -228,10 +156,8 @@ const T* ImplicitSystem<S>::applied(std::size_t n, Thread& thread) const {
 template <class S>
 std::size_t ImplicitSystem<S>::bytes() const {
   std::size_t sum = chunks_.bytes() + begin_.bytes() + held_.bytes() + projector_.bytes() +
-                    inverse_.bytes() + v_.bytes() + residual_.bytes() + partial_.bytes() +
-                    v_star_.bytes();
-  for (const AlignedArray<S>* field : {&z_last_, &z_, &y_, &y_next_, &w_last_, &w_, &d_, &r_})
-    sum += field->bytes();
+                    v_.bytes() + residual_.bytes() + partial_.bytes() + v_star_.bytes();
+  for (const AlignedArray<S>* field : {&z_last_, &z_, &w_last_, &w_, &d_}) sum += field->bytes();
   for (const Thread& t : thread_) sum += t.numbers.bytes() + t.field.bytes() + t.cells.bytes();
   return sum;
 }

@@ -26,8 +26,7 @@ struct SolveReport {
 template <class S>
 class ImplicitSystem {
  public:
-  ImplicitSystem(int threads, bool block_preconditioner)
-      : threads_(threads), block_preconditioner_(block_preconditioner) {}
+  explicit ImplicitSystem(int threads) : threads_(threads) {}
 
   // Contact: the directions that stage 5 leaves free.
 
@@ -62,13 +61,15 @@ class ImplicitSystem {
 
   std::size_t node_blocks() const { return nodes_->size(); }
   bool held(std::size_t n) const { return held_[n] != 0; }
+  /// Of a node block with a node that is not free; else null.
+  const S* projector(std::size_t n) const {
+    return held(n) ? projector_.data() + n * matrix_size : nullptr;
+  }
   S* block(const AlignedArray<S>& field, std::size_t n) const {
     return field.data() + n * field_size;
   }
 
-  void find_components();
   void factor_particles(const StepConstants<S>& step);
-  void build_preconditioner();
 
   // The operator in type T, on what was packed.
   template <class T>
@@ -90,12 +91,10 @@ class ImplicitSystem {
 
   // Refinement: v and its residual in double.
   double residual();
-  double restore_momentum();
-  // MINRES in S for B d = r: r_ is the residual divided by its norm.
+  // MINRES in S for B d = r: z_ is the residual divided by its norm.
   void minres(double target, std::int64_t max_iterations, SolveReport& report);
 
   int threads_;
-  bool block_preconditioner_;
   const ParticleStore<S>* particles_ = nullptr;
   NodeStore<S>* nodes_ = nullptr;
   double factor_ = 0;
@@ -107,15 +106,10 @@ class ImplicitSystem {
 
   AlignedArray<std::uint8_t> held_;  ///< node blocks with a node that is not free
   AlignedArray<S> projector_;        ///< of these, [6][64] per node block
-  AlignedArray<S> inverse_;          ///< the preconditioner, [6][64] per node block
-  std::vector<int> component_;       ///< of each node block: bodies that share no node
-  std::vector<double> component_mass_, component_momentum_;
-  std::vector<char> component_held_;
 
   AlignedArray<double> v_, residual_;  ///< v and v* − B v
   AlignedArray<double> partial_;
-  /// MINRES: dual and primal Lanczos vectors, directions, solution, residual.
-  AlignedArray<S> z_last_, z_, y_, y_next_, w_last_, w_, d_, r_;
+  AlignedArray<S> z_last_, z_, w_last_, w_, d_;  ///< MINRES: Lanczos vectors, directions, solution
   AlignedArray<S> v_star_;
 };
 

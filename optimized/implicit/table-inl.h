@@ -7,6 +7,7 @@
 #define FIRN_OPTIMIZED_IMPLICIT_TABLE_INL_H_
 #endif
 
+#include "optimized/implicit/fields-inl.h"
 #include "optimized/implicit/kernel_table.hpp"
 #include "optimized/implicit/setup-inl.h"
 
@@ -30,17 +31,12 @@ HessianKernels<T, S> make_hessian_kernels() {
 
 template <class T>
 FieldKernels<T> make_field_kernels() {
-  return {&multiply<T>, &subtract<T>, &precondition<T>, &advance<T>, &project<T>};
+  return {&multiply<T>, &subtract<T>, &advance<T>, &project<T>};
 }
 
 template <class S>
 SetupKernels<S> make_setup_kernels() {
-  return {&hessian_factors_of_block<S>,
-          tile_nodes * tile_nodes * stiffness_rows<S> * tile_row_size<S>,
-          16 * stiffness_rows<S> * row_size<S>,
-          &stiffness_of_block<S>,
-          &add_rows<S, stiffness_rows<S>>,
-          &invert_stiffness<S>};
+  return {&hessian_factors_of_block<S>};
 }
 
 }  // namespace HWY_NAMESPACE
