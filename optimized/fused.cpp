@@ -185,8 +185,7 @@ void OptimizedSolver<T>::move_between_blocks() {
   if (particles_.put_in(threads_)) nodes_stale_ = true;
 }
 
-/// Names the particle. Its block may already have given particles away: then the
-/// place means nothing any more, and the block's first particle stands for it.
+/// Names the particle. Its block has not given any away.
 template <class T>
 void OptimizedSolver<T>::fail(const Found& found) {
   const Block<T>& block =
@@ -195,10 +194,7 @@ void OptimizedSolver<T>::fail(const Found& found) {
   const Stage stage = fault == Fault::deformation ? Stage::deformation
                       : fault == Fault::velocity  ? Stage::particle_velocities
                                                   : Stage::positions;
-  const std::int64_t p =
-      found.report.place < block.count
-          ? static_cast<std::int64_t>(particles_.index(block, found.report.place))
-          : -1;
+  const auto p = static_cast<std::int64_t>(particles_.index(block, found.report.place));
   throw SimulationError(stage, SimulationError::Subject::particle, p,
                         fault == Fault::deformation ? "deformation gradient is not finite"
                         : fault == Fault::velocity

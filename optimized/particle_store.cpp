@@ -238,6 +238,8 @@ int ParticleStore<T>::take_out(Block<T>& block, const std::int32_t* places, int 
     block.leavers.push_back({b[0], b[1], b[2]});
     for (int s = 0; s < slots_; ++s) block.luggage.push_back(value(block, i, s));
   }
+  if (lost >= 0)
+    return lost;  // the step has failed: nobody moves, so that places keep their meaning
   for (int k = n - 1; k >= 0; --k) {
     const int last = --block.count;
     if (places[k] == last) continue;
