@@ -119,23 +119,63 @@ HWY_INLINE void accumulate_force(const ParticleRows<T>* rows, const T* record, i
   for (int r = 0; r < count; ++r) a[r].store(sums + r * tile_row_size<T>);
 }
 
-/// All rows of the particles of one cell, at y-node j; those of the force only where
-/// there is stress.
+/// Mass, momentum and force together at the y-nodes j and j+1, where a row holds all four
+/// channels: 32 registers keep the 16 sums, and what belongs to x is read once for two nodes.
 template <bool with_force, class T>
-HWY_INLINE void accumulate(const ParticleRows<T>* rows, const T* record, int n, int j, T* sums) {
+HWY_INLINE void accumulate_two_nodes(const ParticleRows<T>* rows, const T* record, int n, int j,
+                                     T* sums, int y_stride) {
+  constexpr int R = tile_row_size<T>;
+  RowSums<T> mass[2] = {RowSums<T>(sums), RowSums<T>(sums + y_stride)};
+  RowSums<T> force[2] = {RowSums<T>(sums + R), RowSums<T>(sums + y_stride + R)};
+  for (int p = 0; p < n; ++p, record += record_size) {
+    const Row<T> t = all(record + record_t);
+    const Row<T> w0 = all(record + record_w_x0), w3 = all(record + record_w_x3);
+    const Row<T> d0 = all(record + record_d_x0), d3 = all(record + record_d_x3);
+    for (int k = 0; k < 2; ++k) {
+      const Row<T> w_y = all(record + record_w_y + j + k);
+      const Row<T> c = w_y * rows[p].mass[0];
+      mass[k].s0 = mass[k].s0 + c;
+      mass[k].s1 = mul_add(t, c, mass[k].s1);
+      mass[k].n0 = mul_add(w0, c, mass[k].n0);
+      mass[k].n3 = mul_add(w3, c, mass[k].n3);
+      if constexpr (with_force) {
+        const Row<T> D = w_y * rows[p].x[0];
+        const Row<T> b =
+            mul_add(all(record + record_d_y + j + k), rows[p].y[0], w_y * rows[p].z[0]);
+        force[k].s0 = force[k].s0 + b;
+        force[k].s1 = mul_add(t, b, force[k].s1) + D;
+        force[k].n0 = mul_add(d0, D, mul_add(w0, b, force[k].n0));
+        force[k].n3 = mul_add(d3, D, mul_add(w3, b, force[k].n3));
+      }
+    }
+  }
+  for (int k = 0; k < 2; ++k) {
+    mass[k].store(sums + k * y_stride);
+    if constexpr (with_force) force[k].store(sums + k * y_stride + R);
+  }
+}
+
+/// All rows of the particles of one cell; those of the force only where there is stress.
+template <bool with_force, class T>
+HWY_INLINE void accumulate(const ParticleRows<T>* rows, const T* record, int n, T* sums,
+                           int y_stride) {
   constexpr int R = tile_row_size<T>;
   if constexpr (mass_rows<T> == 1) {
-    accumulate_mass<0, 1>(rows, record, n, j, sums);
-    if constexpr (with_force) accumulate_force<0, 1>(rows, record, n, j, sums + R);
-  } else if constexpr (mass_rows<T> == 2) {
-    accumulate_mass<0, 2>(rows, record, n, j, sums);
-    if constexpr (with_force) accumulate_force<0, 2>(rows, record, n, j, sums + 2 * R);
+    accumulate_two_nodes<with_force>(rows, record, n, 0, sums, y_stride);
+    accumulate_two_nodes<with_force>(rows, record, n, 2, sums + 2 * y_stride, y_stride);
   } else {
-    accumulate_mass<0, 2>(rows, record, n, j, sums);
-    accumulate_mass<2, 2>(rows, record, n, j, sums + 2 * R);
-    if constexpr (with_force) {
-      accumulate_force<0, 2>(rows, record, n, j, sums + 4 * R);
-      accumulate_force<2, 1>(rows, record, n, j, sums + 6 * R);
+    for (int j = 0; j < 4; ++j, sums += y_stride) {
+      if constexpr (mass_rows<T> == 2) {
+        accumulate_mass<0, 2>(rows, record, n, j, sums);
+        if constexpr (with_force) accumulate_force<0, 2>(rows, record, n, j, sums + 2 * R);
+      } else {
+        accumulate_mass<0, 2>(rows, record, n, j, sums);
+        accumulate_mass<2, 2>(rows, record, n, j, sums + 2 * R);
+        if constexpr (with_force) {
+          accumulate_force<0, 2>(rows, record, n, j, sums + 4 * R);
+          accumulate_force<2, 1>(rows, record, n, j, sums + 6 * R);
+        }
+      }
     }
   }
 }
@@ -175,9 +215,8 @@ HWY_INLINE void accumulate_slab(const ZKernel<T>& kernel, const int* begin, cons
       const int n = begin[c + 1] - p < batch_size ? begin[c + 1] - p : batch_size;
       const T* record = records + p * record_size;
       for (int k = 0; k < n; ++k) prepare(kernel, record + k * record_size, rows[k]);
-      for (int j = 0; j < 4; ++j)
-        accumulate<with_force>(rows, record, n, j,
-                               moments + (c / 4 + j) * y_stride + c % 4 * channels<T>);
+      accumulate<with_force>(rows, record, n, moments + c / 4 * y_stride + c % 4 * channels<T>,
+                             y_stride);
     }
   }
 }

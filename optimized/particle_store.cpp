@@ -196,28 +196,41 @@ void ParticleStore<T>::store(Particles& p) const {
 
 template <class T>
 void ParticleStore<T>::sort(Block<T>& block, AlignedArray<T>& scratch) const {
-  const auto n = static_cast<std::size_t>(block.count), s = static_cast<std::size_t>(slots_);
-  scratch.require(n * (s + 1));
+  constexpr int n = chunk_lanes<T>;
+  const int chunk = slots_ * n, chunks = (block.count + n - 1) / n;
+  // Whole chunks, sorted, and the cell of every particle.
+  scratch.require(static_cast<std::size_t>(chunks * (chunk + n)));
   T* const sorted = scratch.data();
-  auto* const cell = reinterpret_cast<Integer<T>*>(scratch.data() + n * s);
+  auto* const cell = reinterpret_cast<Integer<T>*>(sorted + chunks * chunk);
   int begin[nodes_per_block + 1] = {};
+  bool in_order = true;
   for (int i = 0; i < block.count; ++i) {
     int c = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const auto x = number_of<T>(value(block, i, slot_x + axis));
       c = block_cells * c + std::clamp(static_cast<int>(x / Coordinate<T>::one), 0, 3);
     }
-    cell[i] = c;
+    cell[i] = static_cast<Integer<T>>(c);
     ++begin[c + 1];
+    in_order = in_order && (i == 0 || cell[i] >= cell[i - 1]);
   }
+  if (in_order) return;
   for (int c = 0; c < nodes_per_block; ++c) begin[c + 1] += begin[c];
   for (int i = 0; i < block.count; ++i) {
-    T* to = sorted + static_cast<std::size_t>(begin[cell[i]]++) * s;
-    for (int k = 0; k < slots_; ++k) to[k] = value(block, i, k);
+    const int place = begin[cell[i]]++;
+    const T* from = &value(block, i, 0);
+    T* to = sorted + place / n * chunk + place % n;
+    for (int s = 0; s < slots_; ++s) to[s * n] = from[s * n];
   }
-  for (int i = 0; i < block.count; ++i)
-    for (int k = 0; k < slots_; ++k)
-      value(block, i, k) = sorted[static_cast<std::size_t>(i) * s + static_cast<std::size_t>(k)];
+  for (int c = 0; c < chunks; ++c) {
+    const int lanes = std::min(n, block.count - c * n);  // the spare ones keep what they hold
+    T* to = &value(block, c * n, 0);
+    const T* from = sorted + c * chunk;
+    if (lanes == n)
+      std::copy(from, from + chunk, to);
+    else
+      for (int s = 0; s < slots_; ++s) std::copy(from + s * n, from + s * n + lanes, to + s * n);
+  }
 }
 
 template <class T>
