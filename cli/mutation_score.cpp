@@ -90,10 +90,12 @@ struct Score {
   bool stage_right = false;
 };
 
-/// The suites that compare with the reference come last: what the properties of the method
-/// catch is worth more.
-constexpr const char* properties = "*-Lockstep.*:FreeRunning.*";
+/// The suites that compare with the reference come later: what the properties of the method
+/// catch is worth more. Waves and limits of stability, which take longest, come last.
+constexpr const char* properties =
+    "*-Lockstep.*:FreeRunning.*:Dynamics.*:Stability.bulk*:Stability.lone*";
 constexpr const char* comparisons = "Lockstep.*:FreeRunning.*";
+constexpr const char* the_rest = "Dynamics.*:Stability.*";
 
 Score score_of(const Mutant& mutant, const Registry& registry) {
   Score score;
@@ -102,6 +104,7 @@ Score score_of(const Mutant& mutant, const Registry& registry) {
   score.by_properties = first_failure(solver, properties, registry);
   score.caught_by = score.by_properties;
   if (score.caught_by.empty()) score.caught_by = first_failure(solver, comparisons, registry);
+  if (score.caught_by.empty()) score.caught_by = first_failure(solver, the_rest, registry);
   const std::optional<Divergence> first = named_by_check(solver, registry);
   if (first) {
     score.named = stage_range(first->from, first->through);

@@ -71,6 +71,11 @@ void OptimizedSolver<T>::load(const Scene& scene, const State& state) {
     if (material < 0 || static_cast<std::size_t>(material) >= scene.materials.size())
       throw InputError("state", "material of a particle", std::to_string(material),
                        "0 .. " + std::to_string(scene.materials.size() - 1));
+  // A mass that is no mass would only hide nodes from the step: they would count as empty.
+  for (std::size_t q = 0; q < n; ++q)
+    if (!(p.m[q] > 0 && std::isfinite(p.m[q])))
+      throw InputError("state", "mass of particle " + std::to_string(q), to_text(p.m[q]),
+                       "> 0 and finite");
   scene_ = &scene;
   materials_.clear();
   for (const Material& m : scene.materials)

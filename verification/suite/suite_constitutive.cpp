@@ -185,6 +185,27 @@ TEST(Constitutive, hardening) {
            stress_roundoff(m, F, Mat3::Identity()));
 }
 
+/// Every particle has the parameters of its own material.
+TEST(Constitutive, two_materials) {
+  LoneParticles lone(effort(4, 3), 32);
+  Material other = elastic_material();
+  other.youngs_modulus = 3e5;
+  other.poisson_ratio = 0.375;
+  other.density = 200;
+  lone.scene.materials.push_back(other);
+  Particles& p = lone.state.particles;
+  for (std::size_t q = 0; q < lone.size(); ++q) p.material[q] = q % 2 == 0 ? 0 : 1;
+  const double s = 1.125, J = s * s * s;
+  const std::vector<Mat3> tau =
+      stresses(lone, std::vector<Mat3>(lone.size(), s * Mat3::Identity()));
+  for (std::size_t q = 0; q < lone.size(); ++q) {
+    const Material& m = lone.scene.materials[q % 2];
+    const double pressure = 2 * m.mu_0() * (s - 1) * s + m.lambda_0() * (J - 1) * J;
+    within("stress by the particle's material", (tau[q] - pressure * Mat3::Identity()).norm(),
+           stress_roundoff(m, p.F_E[q], p.F_P[q]));
+  }
+}
+
 /// The return mapping on its own, with nodes at rest.
 class Plasticity {
  public:
@@ -192,6 +213,9 @@ class Plasticity {
     Material& m = lone_.scene.materials[0];
     m.critical_compression = 2.5e-2;
     m.critical_stretch = 7.5e-3;
+    // Every third particle is of a material with other limits, and unhurt by these strains.
+    lone_.scene.materials.push_back(elastic_material());
+    for (std::size_t p = 0; p < lone_.size(); p += 3) lone_.state.particles.material[p] = 1;
     state_ = before_stage(lone_.scene, lone_.state, Stage::deformation, 1e-4);
     for (Vec3& v : state_.grid.v_new) v.setZero();
   }
@@ -226,6 +250,10 @@ TEST(Constitutive, return_mapping) {
     // |δF| = 110 eps, and the mapping's Lipschitz constant is about 1 for F_E, 2 for F_P.
     within("continuous: F_E", (beside.F_E[p] - once.F_E[p]).norm(), 4 * 64 * 1.8 * eps());
     within("continuous: F_P", (beside.F_P[p] - once.F_P[p]).norm(), 6 * 64 * 1.8 * eps());
+    if (p % 3 == 0) {
+      within("a material without limits does not yield", (once.F_P[p] - F_P[p]).norm(), 8 * eps());
+      continue;
+    }
     const verification::Svd usv = verification::svd_oracle(to_matrix(F[p]));
     Real ratio = 1;
     for (const Real s : usv.sigma)

@@ -86,6 +86,38 @@ TEST(Kernel, moments) {
   }
 }
 
+/// Step 2: ρ_p0 = Σ_i m_i w_ip/h³, V_p0 = m_p/ρ_p0 where the volume is not known; a known one
+/// stays.
+TEST(Kernel, volumes) {
+  FIRN_NEEDS_STOP(Stage::volumes);
+  Scene scene = plain_scene();
+  State state;
+  Particles& p = state.particles;
+  cases::Random random(9);
+  p.resize(static_cast<std::size_t>(effort(400, 100)));
+  for (std::size_t q = 0; q < p.size(); ++q) {
+    for (int a = 0; a < 3; ++a) p.x[q][a] = spacing * std::floor(2.5 * random() * 4096) / 4096;
+    p.m[q] = rounded(1 + 0.5 * random());
+    p.V_0[q] = q % 3 == 0 ? rounded(0.01 * (1 + 0.5 * random())) : 0;
+    p.id[q] = static_cast<std::int64_t>(q);
+  }
+  const State after = run_through(scene, state, Stage::volumes, 1e-4);
+  const double h = spacing;
+  for (std::size_t q = 0; q < p.size(); ++q) {
+    if (p.V_0[q] > 0) {
+      within("a known volume stays", after.particles.V_0[q] - p.V_0[q], eps() * p.V_0[q]);
+      continue;
+    }
+    double density = 0;
+    for_each_weight(scene, after.grid, p.x[q], [&](std::size_t i, double w_ip) {
+      density += after.grid.m[i] * w_ip / (h * h * h);
+    });
+    // 64 positive terms, each right to its weight's roundings.
+    within("V_p0 = m_p h³/Σ m_i w_ip", after.particles.V_0[q] * density / p.m[q] - 1,
+           2 * weight_roundings * eps());
+  }
+}
+
 /// An isotropic stress makes f_i = −V τ ∇w_ip: the gradient itself.
 TEST(Kernel, gradients) {
   FIRN_NEEDS_STOP(Stage::grid_forces);
