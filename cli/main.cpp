@@ -64,6 +64,7 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
   add_verify(app, context);
   add_bench(app, context);
   add_report(app, context);
+  add_teach(app, context);
   add_info(app, context);
   add_scenes(app, context);
   add_solvers(app, context);

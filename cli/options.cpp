@@ -5,6 +5,7 @@
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
 #include "io/scene/scene_file.hpp"
+#include "teach/exercises.hpp"
 #include "verification/guests/guests.hpp"
 #include "verification/mutants/mutants.hpp"
 
@@ -49,6 +50,7 @@ SolverOptions SolverOption::settings(std::size_t particles) const {
 
 std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
                                              std::size_t particles) const {
+  if (teach::names_an_exercise(name)) return teach::make_exercise_solver(name, settings(particles));
   if (names_a_mutant(name)) return make_mutant_solver(name, settings(particles));
   if (!names_a_guest(name)) return registry.create(name, settings(particles));
   GuestOptions guest;

@@ -1,13 +1,9 @@
 /// firn report: hands over to the Python package in reports/, which reads HDF5 and nothing else.
 
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <vector>
 
+#include "cli/python.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
 
@@ -20,45 +16,14 @@ struct Arguments {
   std::vector<std::string> checks;
 };
 
-/// FIRN_PYTHON in the environment, else the interpreter that the build was told of.
-std::string python_interpreter() {
-  if (const char* python = std::getenv("FIRN_PYTHON"); python != nullptr && *python != '\0')
-    return python;
-  return FIRN_PYTHON_DEFAULT;
-}
-
-int run_process(std::vector<std::string> words) {
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  const pid_t child = fork();
-  if (child < 0)
-    throw InputError("firn report: cannot start a process: " + std::string(std::strerror(errno)));
-  if (child == 0) {
-    execvp(argv[0], argv.data());
-    _exit(127);
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFEXITED(status)) return WEXITSTATUS(status);
-  return 128 + WTERMSIG(status);
-}
-
 int run_report(const Arguments& arguments) {
   if (!std::filesystem::exists(arguments.file))
     throw InputError(arguments.file, "results or trajectory", "no such file",
                      "an HDF5 file of firn");
-  const std::string python = python_interpreter();
-  std::vector<std::string> words = {python,         "-m", "firn_reports",
-                                    arguments.file, "-o", arguments.out};
+  std::vector<std::string> words = {"firn_reports", arguments.file, "-o", arguments.out};
   for (const std::string& check : arguments.checks) words.insert(words.end(), {"--check", check});
   if (!arguments.baseline.empty()) words.insert(words.end(), {"--baseline", arguments.baseline});
-  const int status = run_process(words);
-  if (status == 127)
-    throw InputError("FIRN_PYTHON", "Python interpreter", python,
-                     "a python3 with the package in reports/ (./run setup makes one)");
-  return status;
+  return run_python_module(words);
 }
 
 }  // namespace

@@ -34,5 +34,6 @@ void add_report(CLI::App& app, Context& context);
 void add_info(CLI::App& app, Context& context);
 void add_scenes(CLI::App& app, Context& context);
 void add_solvers(CLI::App& app, Context& context);
+void add_teach(CLI::App& app, Context& context);
 
 }  // namespace firn::cli

@@ -40,12 +40,13 @@ ALLOWED = {
     "bench": ["firn", "io", "verification", ROOT_OF_SOLVERS],
     # Kernels are measured one by one, below the interface of solvers.
     "bench/kernels": ["firn", "reference", "optimized", "bench"],
-    "cli": ["firn", "io", "verification", "bench"],
+    "cli": ["firn", "io", "verification", "bench", "teach"],
     "cli/builtin_solvers.cpp": ["firn", "reference", "optimized", "cli"],
     "reports": [],
     # What an outsider has.
     "examples": ["firn/firn_guest.h"],
-    "teach": ["firn", "io", "reference"],
+    # A lesson is about the reference, and its exercises are mutants.
+    "teach": ["firn", "io", "reference", "verification/mutants"],
     "web": ["firn", "io", "reference"],
 }
 

@@ -1,0 +1,24 @@
+"""python -m firn_teach lesson.json -o DIR [--web-module firn_web.js]"""
+
+import argparse
+import sys
+
+from . import InputError, lesson, pages
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser("firn teach", description="The pages of a lesson from its lesson.json.")
+    parser.add_argument("lesson", metavar="LESSON", help="lesson.json, written by `firn teach`")
+    parser.add_argument("-o", "--output", default="lesson", metavar="DIR", help="folder of the pages")
+    parser.add_argument("--web-module", default="", metavar="JS", help="the reference as WebAssembly, web/firn_web.js of a build with Emscripten")
+    options = parser.parse_args(arguments)
+    try:
+        print(pages.write(lesson.read(options.lesson), options.output, options.web_module))
+        return 0
+    except (InputError, OSError) as error:
+        print(f"firn teach: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,42 @@
+"""The reference's own source, as the build embedded it."""
+
+import hashlib
+import html
+import re
+
+from . import STAGES
+
+CPP_WORDS = ("const constexpr void double int bool auto for if else return namespace struct class static inline while switch case break continue "
+             "using template true false std this throw try catch enum public private explicit override final")
+PYTHON_WORDS = "def return for if else elif in not and or lambda import from continue None True False while"
+
+
+def tokens(comment, directive, words):
+    keyword = r"\b(?:" + "|".join(words.split()) + r")\b"
+    return re.compile(rf'(?P<comment>{comment}[^\n]*)|(?P<string>"(?:\\.|[^"\\\n])*")|(?P<directive>{directive})|(?P<keyword>{keyword})|(?P<number>\b\d[\w.]*(?:e[+-]\d+)?)', re.M)
+
+
+CPP = tokens("//", r"^[ \t]*#[^\n]*", CPP_WORDS)
+PYTHON = tokens("#", r"^@\w+", PYTHON_WORDS)
+
+
+def highlight(text, language=CPP):
+    """HTML of a source with classes on tokens; the text itself is unchanged."""
+    out, end = [], 0
+    for match in language.finditer(text):
+        out.append(html.escape(text[end:match.start()], quote=False))
+        out.append(f'<span class="{match.lastgroup[0]}">{html.escape(match[0], quote=False)}</span>')
+        end = match.end()
+    return "".join(out) + html.escape(text[end:], quote=False)
+
+
+def path_of(stage):
+    return f"reference/step_{stage:02d}_{STAGES[stage - 1]}.cpp"
+
+
+class File:
+    def __init__(self, lesson, path):
+        self.path, self.text = path, lesson.sources[path]
+        self.html = highlight(self.text)
+        self.lines = self.text.count("\n")
+        self.sha256 = hashlib.sha256(self.text.encode()).hexdigest()
