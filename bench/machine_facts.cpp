@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include "bench/probes.hpp"
 #include "firn/build_info.hpp"
@@ -45,6 +46,16 @@ std::string line_value(const std::string& path, const std::string& key) {
   return "unknown";
 }
 
+/// "FIRN_NO_SKIP=all": what changes the solvers from outside; "none".
+std::string environment() {
+  std::string text;
+  for (char** entry = environ; *entry != nullptr; ++entry)
+    if (const std::string variable = *entry;
+        variable.rfind("FIRN_", 0) == 0 && variable.rfind("FIRN_PYTHON", 0) != 0)
+      text += (text.empty() ? "" : " ") + variable;
+  return text.empty() ? "none" : text;
+}
+
 std::string load_average() {
   std::istringstream text(first_line("/proc/loadavg"));
   std::string one, five, fifteen;
@@ -74,12 +85,13 @@ results::Facts machine_facts(std::uint64_t seed) {
       {"git_commit", build.git_commit},
       {"firn_version", build.version},
       {"seed", static_cast<double>(seed)},
+      {"environment", environment()},
   };
 }
 
 const std::vector<std::string>& comparable_facts() {
-  static const std::vector<std::string> facts = {"processor", "compiler", "flags", "git_commit",
-                                                 "instruction_set"};
+  static const std::vector<std::string> facts = {"processor",  "compiler",        "flags",
+                                                 "git_commit", "instruction_set", "environment"};
   return facts;
 }
 

@@ -43,6 +43,8 @@ struct Case {
   Facts parameters;        ///< solver, precision, threads, particles, …
   std::vector<Quantity> quantities;
   std::vector<double> calibration;  ///< the fixed loop, right before and right after [s]
+  double wall_seconds = 0;          ///< what measuring this case took, validation included [s]
+  double processor_seconds = 0;     ///< the same in processor time of all threads [s]
 };
 
 /// One row of a verification: what was compared and how it ended.

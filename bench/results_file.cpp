@@ -81,6 +81,8 @@ void write_case(hid_t file, const Case& result, int session) {
   h5::write_attribute(group, "message", result.message);
   h5::write_attribute(group, "validation", result.validation);
   h5::write_attribute(group, "session", static_cast<double>(session));
+  h5::write_attribute(group, "wall_seconds", result.wall_seconds);
+  h5::write_attribute(group, "processor_seconds", result.processor_seconds);
   const h5::Id parameters = h5::open_or_create_group(group, "parameters");
   write_facts(parameters, result.parameters);
   const h5::Id quantities = h5::open_or_create_group(group, "quantities");

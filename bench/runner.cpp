@@ -1,14 +1,16 @@
 /// How a run of `firn bench` goes: plan, skip what the file has, measure, judge, append.
 
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <csignal>
+#include <ctime>
 #include <exception>
 
 #include "bench/bench.hpp"
 #include "bench/machine_facts.hpp"
 #include "bench/results_file.hpp"
 #include "bench/statistics.hpp"
+#include "bench/timing.hpp"
 #include "firn/error.hpp"
 
 namespace firn::bench {
@@ -61,6 +63,8 @@ std::vector<CasePlan> plans(const Registry& registry, const Options& options) {
   for (const SuiteEntry& suite : suites()) suite.plan(registry, options, all);
   for (CasePlan& plan : all)
     if (asked_for(options, plan)) chosen.push_back(std::move(plan));
+  // What an interrupted run leaves behind should be the whole in small.
+  std::stable_partition(chosen.begin(), chosen.end(), [](const CasePlan& p) { return p.quick; });
   if (chosen.empty() && !options.suites.empty()) {
     std::string names;
     for (const SuiteEntry& suite : suites()) names += (names.empty() ? "" : ", ") + suite.name;
@@ -81,8 +85,16 @@ void judge(results::Case& result) {
   }
 }
 
+/// Processor time of all threads of this process [s].
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 void measure(CasePlan& plan) {
   results::Case& result = plan.description;
+  const double start = seconds_now(), processor_start = processor_seconds();
   for (int i = 0; i < 3; ++i) result.calibration.push_back(calibration_loop());
   try {
     plan.run(result);
@@ -91,7 +103,12 @@ void measure(CasePlan& plan) {
     result.status = results::Status::failed;
     result.message = error.what();
   }
+  // A number that failed its validation is not kept, so that nobody quotes it.
+  if (result.status == results::Status::invalid || result.status == results::Status::failed)
+    result.quantities.clear();
   for (int i = 0; i < 3; ++i) result.calibration.push_back(calibration_loop());
+  result.wall_seconds = seconds_now() - start;
+  result.processor_seconds = processor_seconds() - processor_start;
 }
 
 /// "0.25 ns (± 3 %)" of the first quantity, or why there is none.
@@ -120,7 +137,8 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
   }
   results::ResultsFile file(options.output, machine_facts(options.seed), comparable_facts());
   const StopOnSignal stop;
-  std::size_t number = 0, wrong = 0;
+  std::size_t number = 0, wrong = 0, measured = 0;
+  double seconds = 0;
   for (CasePlan& plan : chosen) {
     ++number;
     results::Case& result = plan.description;
@@ -137,11 +155,14 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
     }
     wrong += result.status == results::Status::invalid || result.status == results::Status::failed;
     file.append(result);
-    log << outcome(result) << "\n";
+    log << outcome(result) << "  [" << three_digits(result.wall_seconds) << " s]\n";
+    seconds += result.wall_seconds;
+    ++measured;
     plan.run = nullptr;  // frees what the case held
   }
-  log << file.path() << ": " << chosen.size() << " cases asked for, " << wrong
-      << " invalid or failed\n";
+  log << file.path() << ": " << chosen.size() << " cases asked for, " << measured
+      << " measured now in " << std::lround(seconds) << " s, " << wrong
+      << " of them invalid or failed\n";
   return wrong == 0 ? 0 : 1;
 }
 

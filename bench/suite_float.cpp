@@ -2,6 +2,8 @@
 /// the origin, drift against double over a long run.
 
 #include <cmath>
+#include <stdexcept>
+#include <utility>
 
 #include "bench/suites.hpp"
 #include "bench/timing.hpp"
@@ -107,28 +109,35 @@ double far_away(const Registry& registry, const Subject& subject, std::uint64_t 
   return worst;
 }
 
-/// RMS velocity difference to the reference after 1000 steps of an elastic block that
-/// rings at its own sound speed, over the RMS velocity.
-double long_run(const Registry& registry, const Subject& subject, std::uint64_t seed) {
-  State states[2];
-  Workload work = block(4096, Deformation::elastic, seed);
+/// RMS velocity difference to the reference over the RMS velocity, after 10, 30, … 1000
+/// steps of an elastic block that rings at its own sound speed.
+std::vector<std::pair<int, double>> drift(const Registry& registry, const Subject& subject,
+                                          std::uint64_t seed) {
+  Workload work = block(2048, Deformation::elastic, seed);
   work.scene.time.step = 2e-4;
   Particles& p = work.state.particles;
   for (std::size_t at = 0; at < p.size(); ++at)
     p.v[at] = Vec3(0.05 * std::sin(8 * p.x[at].x()), 0, 0);
-  const Subject reference{"reference", Precision::float64, 1};
-  for (const int other : {0, 1}) {
-    const auto solver = (other ? subject : reference).create(registry);
-    solver->load(work.scene, work.state);
-    advance(*solver, work.scene, 1000);
-    solver->store(states[other]);
+  const auto reference = registry.create("reference", {}), solver = subject.create(registry);
+  reference->load(work.scene, work.state);
+  solver->load(work.scene, work.state);
+  std::vector<std::pair<int, double>> drifted;
+  State mine, theirs;
+  int done = 0;
+  for (const int steps : {10, 30, 100, 300, 1000}) {
+    advance(*reference, work.scene, steps - done);
+    advance(*solver, work.scene, steps - done);
+    done = steps;
+    reference->store(theirs);
+    solver->store(mine);
+    double off = 0, size = 0;
+    for (std::size_t at = 0; at < p.size(); ++at) {
+      off += (mine.particles.v[at] - theirs.particles.v[at]).squaredNorm();
+      size += theirs.particles.v[at].squaredNorm();
+    }
+    drifted.emplace_back(steps, std::sqrt(off / size));
   }
-  double off = 0, size = 0;
-  for (std::size_t at = 0; at < p.size(); ++at) {
-    off += (states[0].particles.v[at] - states[1].particles.v[at]).squaredNorm();
-    size += states[0].particles.v[at].squaredNorm();
-  }
-  return std::sqrt(off / size);
+  return drifted;
 }
 
 constexpr Test tests[] = {
@@ -137,9 +146,34 @@ constexpr Test tests[] = {
      small_strain},
     {"far away", "10⁴ spacings from the origin",
      "largest change of F_E against the same block at the origin", far_away},
-    {"long run", "1000 steps of a ringing elastic block",
-     "RMS velocity off the reference's, relative", long_run},
 };
+
+void plan_drift(const Registry& registry, const Options& options, const Subject& subject,
+                std::vector<CasePlan>& plans) {
+  CasePlan plan;
+  plan.description.suite = "float";
+  plan.description.name = "drift," + subject.text();
+  plan.description.title = "drift of a ringing elastic block, " + subject.text();
+  plan.description.parameters = {{"test", std::string("drift")},
+                                 {"what", std::string("drift of a ringing elastic block")}};
+  subject.describe(plan.description);
+  plan.quick = true;
+  plan.run = [&registry, subject, seed = options.seed](results::Case& result) {
+    const auto drifted = drift(registry, subject, seed);
+    const auto quantity = [](const std::string& name, double error) {
+      if (!std::isfinite(error)) throw std::runtime_error("the velocities are not finite");
+      return Quantity{
+          name,    "1",  "RMS velocity off the reference's, relative", Quantity::Better::lower,
+          {error}, false};
+    };
+    result.quantities = {quantity("error", drifted.back().second)};
+    for (const auto& [steps, error] : drifted)
+      result.quantities.push_back(
+          quantity("error after " + std::to_string(steps) + " steps", error));
+    result.validation = "against the reference, step for step from the same state";
+  };
+  plans.push_back(std::move(plan));
+}
 
 }  // namespace
 
@@ -156,15 +190,16 @@ void plan_float_suite(const Registry& registry, const Options& options,
       subject.describe(plan.description);
       plan.quick = true;
       plan.run = [&registry, test, subject, seed = options.seed](results::Case& result) {
-        result.quantities = {{"error",
-                              "1",
-                              test.meaning,
-                              Quantity::Better::lower,
-                              {test.measure(registry, subject, seed)},
-                              false}};
+        const double error = test.measure(registry, subject, seed);
+        if (!std::isfinite(error)) throw std::runtime_error("the result is not finite");
+        result.quantities = {{"error", "1", test.meaning, Quantity::Better::lower, {error}, false}};
+        result.validation = "the exact value is known";
       };
       plans.push_back(std::move(plan));
     }
+  for (const Subject& subject : subjects(registry, options, false))
+    if (subject.solver != "reference" && registry.find("reference") != nullptr)
+      plan_drift(registry, options, subject, plans);
 }
 
 }  // namespace firn::bench

@@ -16,6 +16,8 @@ const std::vector<SuiteEntry>& suites() {
       {"snowball", "bands of a plastic impact over seeds", plan_snowball_suite},
       {"stability", "largest stable time step by bisection, against prediction",
        plan_stability_suite},
+      {"stress", "what each solver does where it hurts: degenerate input, overflow, NaN",
+       plan_stress_suite},
       {"targets", "the optimized solver on every instruction set of this processor",
        plan_targets_suite},
       {"steps", "particle-steps per second over sizes and threads", plan_steps_suite},

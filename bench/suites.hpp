@@ -11,6 +11,7 @@ void plan_stages_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_speedup_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_accuracy_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_stability_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_stress_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_float_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_skips_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_kernels_suite(const Registry&, const Options&, std::vector<CasePlan>&);

@@ -1,12 +1,17 @@
 /// A run measures what is missing, keeps what is done, and says what is wrong.
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <sstream>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "bench/bench.hpp"
+#include "bench/hdf5_text.hpp"
 #include "bench/timing.hpp"
 #include "cli/builtin_solvers.hpp"
 #include "firn/error.hpp"
@@ -91,6 +96,72 @@ TEST_F(RunnerTest, AnInterruptEndsTheRunWith130AndKeepsTheFile) {
   EXPECT_EQ(run(registry, options, out, stream), 130);
   EXPECT_TRUE(fs::exists(options.output));
   EXPECT_EQ(run_it(), 0);
+}
+
+/// Names of the cases that `log` announces as measured.
+std::vector<std::string> measured(const std::string& log) {
+  std::vector<std::string> names;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t end = line.find(": "); line.rfind("[", 0) == 0)
+      names.push_back(line.substr(line.find("] ") + 2, end - line.find("] ") - 2));
+  return names;
+}
+
+/// kill -9 in the middle of a run: what was reported as measured is in the file, and the
+/// next run measures the rest.
+TEST_F(RunnerTest, AKilledRunIsCompletedByTheNext) {
+  options.suites = {"stress"};
+  options.solvers = {"reference", "optimized"};
+  const std::string log_file = options.output + ".log";
+  const pid_t child = fork();
+  if (child == 0) {
+    std::ofstream child_log(log_file);
+    run(registry, options, out, child_log);
+    pause();
+    _exit(0);
+  }
+  ASSERT_GT(child, 0);
+  std::vector<std::string> before;
+  for (int tries = 0; tries < 4000 && before.size() < 4; ++tries) {
+    std::ifstream file(log_file);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    before = measured(text);
+    usleep(2000);
+  }
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  std::ifstream file(log_file);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  before = measured(text);
+  fs::remove(log_file);
+  ASSERT_GE(before.size(), 4u) << text;
+  before.pop_back();  // announced, perhaps not finished
+  EXPECT_EQ(run_it(), 0) << log.str();
+  const std::vector<std::string> after = measured(log.str());
+  for (const std::string& name : before)
+    EXPECT_EQ(std::count(after.begin(), after.end(), name), 0) << name;
+  EXPECT_EQ(run_it(), 0);
+  EXPECT_TRUE(measured(log.str()).empty()) << log.str();
+}
+
+/// What failed its validation leaves no number behind, neither in the file nor in the log.
+TEST_F(RunnerTest, NoNumberOfAWrongSolverIsPrinted) {
+  options.solvers = {"liar"};
+  options.suites = {"steps/liar,double,1T,elastic,100000"};
+  EXPECT_EQ(run_it(), 1);
+  EXPECT_NE(log.str().find("invalid: differs from the reference"), std::string::npos) << log.str();
+  EXPECT_EQ(log.str().find(" ns"), std::string::npos) << log.str();
+  const results::h5::Id file = results::h5::open_file(options.output, false);
+  const std::string group = "cases/steps/liar,double,1T,elastic,100000/quantities";
+  EXPECT_TRUE(results::h5::exists(file, group));
+  EXPECT_TRUE(results::h5::children(results::h5::open_or_create_group(file, group)).empty());
+}
+
+TEST_F(RunnerTest, EverySituationUnderStressEndsAsExpected) {
+  options.suites = {"stress"};
+  options.solvers = {"reference", "optimized"};
+  EXPECT_EQ(run_it(), 0) << log.str();
 }
 
 TEST_F(RunnerTest, ListingMeasuresNothing) {
