@@ -20,8 +20,10 @@ template <class T>
 void add_tile(const T* tile, const Region& region, T* sums) {
   constexpr int R = tile_row_size<T>;
   constexpr int xy_row = row_size<T>;
-  // Tile nodes 4 … 6 are followed by a 7th of zeros: the whole row may be added.
-  const bool whole_row = region.node[2] == 0 && region.tile[2] % 4 == 0 && region.size[2] >= 3;
+  // Tile nodes 4 … 6 are followed by a 7th of zeros: the whole row may be added. Tile nodes
+  // 0 … 2 alone, which the end of a period cuts off, are followed by another node.
+  const bool whole_row = region.node[2] == 0 && ((region.tile[2] == 0 && region.size[2] == 4) ||
+                                                 (region.tile[2] == 4 && region.size[2] == 3));
   for (int x = 0; x < region.size[0]; ++x)
     for (int y = 0; y < region.size[1]; ++y) {
       const T* from = tile + region.tile[2] * channels<T> +

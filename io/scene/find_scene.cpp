@@ -4,7 +4,7 @@
 
 #include "firn/error.hpp"
 #include "io/scene/builtin_scenes.hpp"
-#include "io/scene/one_line.hpp"
+#include "io/one_line.hpp"
 #include "io/scene/scene_file.hpp"
 
 namespace firn {

@@ -12,7 +12,7 @@
 
 #include "firn/error.hpp"
 #include "firn/types.hpp"
-#include "io/scene/one_line.hpp"
+#include "io/one_line.hpp"
 
 namespace firn {
 

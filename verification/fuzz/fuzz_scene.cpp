@@ -3,24 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
 
-#include "firn/error.hpp"
 #include "io/scene/scene_file.hpp"
-
-namespace {
-
-void require(bool holds, const char* what, const std::string& text) {
-  if (holds) return;
-  std::fprintf(stderr, "%s:\n%s\n", what, text.c_str());
-  std::abort();
-}
-
-}  // namespace
+#include "verification/fuzz/judge.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace firn::fuzz;
   const std::string text(data, data + size);
   firn::SceneOptions options;
   options.max_particles = 10000;  // sampling is not what is tested here
@@ -29,10 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     scene = firn::parse_scene(text, "fuzz.toml", no_folder, options);
   } catch (const firn::InputError& error) {
-    const std::string message = error.what();
-    require(message.find_first_of("\n\r\t\0\x7f") == std::string::npos, "more than a line",
-            message);
-    require(message.rfind("fuzz.toml:", 0) == 0, "no file and line", message);
+    require_message(error, "fuzz.toml:");
     return 0;
   }
   try {

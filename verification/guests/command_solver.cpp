@@ -8,7 +8,7 @@
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
-#include "io/scene/one_line.hpp"
+#include "io/one_line.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory_writer.hpp"
 #include "verification/guests/finite.hpp"

@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "firn/error.hpp"
-#include "io/scene/one_line.hpp"
+#include "io/one_line.hpp"
 #include "verification/guests/finite.hpp"
 #include "verification/guests/time_step.hpp"
 

@@ -7,7 +7,7 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include "io/scene/one_line.hpp"
+#include "io/one_line.hpp"
 
 namespace firn::guest {
 

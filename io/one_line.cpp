@@ -1,4 +1,4 @@
-#include "io/scene/one_line.hpp"
+#include "io/one_line.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,0 +1,12 @@
+// Any bytes are either a triangle mesh or an InputError of one line.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "io/mesh/parse_obj.hpp"
+#include "verification/fuzz/fuzz_mesh.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  firn::fuzz::judge_mesh_parser(firn::parse_obj, {reinterpret_cast<const char*>(data), size});
+  return 0;
+}
