@@ -135,7 +135,9 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
           << plan.description.title << (plan.quick ? "  [quick]" : "") << "\n";
     return 0;
   }
-  results::ResultsFile file(options.output, machine_facts(options.seed), comparable_facts());
+  results::Facts facts = machine_facts(options.seed);
+  facts.emplace_back("cases_asked_for", static_cast<double>(chosen.size()));
+  results::ResultsFile file(options.output, facts, comparable_facts());
   const StopOnSignal stop;
   std::size_t number = 0, wrong = 0, measured = 0;
   double seconds = 0;

@@ -12,7 +12,8 @@ namespace firn::cli {
 namespace {
 
 struct Arguments {
-  std::string file, baseline, out;
+  std::string file, baseline, out, threshold;
+  bool readme_table = false;
   std::vector<std::string> checks;
 };
 
@@ -37,6 +38,11 @@ void add_report(CLI::App& app, Context& context) {
   verb->add_option("RESULTS", arguments->file, "results (.h5) or trajectory (.vtkhdf)")->required();
   verb->add_option("--baseline", arguments->baseline,
                    "older results; exit 1 if something became slower");
+  verb->add_option("--threshold", arguments->threshold,
+                   "with --baseline: changes up to this share pass (default: 0.1)")
+      ->check(CLI::PositiveNumber);
+  verb->add_flag("--readme-table", arguments->readme_table,
+                 "print the summary of results as Markdown and write no page");
   verb->add_option("--check", arguments->checks,
                    "output of `firn check --json` to show on the page");
   verb->add_option("-o,--out", arguments->out, "folder of the page")->capture_default_str();

@@ -39,8 +39,8 @@ void initialize_once() {
 }
 
 /// An exception must not cross Google Benchmark's loop.
-void time_with(const std::function<void(benchmark::State&)>& loop, bool manual, std::size_t items,
-               results::Case& result) {
+void time_with(const std::function<void(benchmark::State&)>& loop, std::int64_t iterations,
+               std::size_t items, results::Case& result) {
   initialize_once();
   benchmark::ClearRegisteredBenchmarks();
   std::string problem;
@@ -52,11 +52,11 @@ void time_with(const std::function<void(benchmark::State&)>& loop, bool manual, 
       state.SkipWithError(problem.c_str());
     }
   });
-  entry->Repetitions(9)->MinTime(manual ? 0.002 : 0.02);
-  if (manual)
-    entry->UseManualTime();
+  entry->Repetitions(9);
+  if (iterations > 0)
+    entry->Iterations(iterations)->UseManualTime();
   else
-    entry->UseRealTime();
+    entry->MinTime(0.02)->UseRealTime();
   Collector collector;
   benchmark::RunSpecifiedBenchmarks(&collector, nullptr, "kernel");
   if (!problem.empty()) throw std::runtime_error(problem);
@@ -103,15 +103,19 @@ void time_body(const std::function<void()>& body, std::size_t items, results::Ca
           benchmark::ClobberMemory();
         }
       },
-      false, items, result);
+      0, items, result);
 }
 
 void time_part(const std::function<double()>& seconds, std::size_t items, results::Case& result) {
+  // What does not count may take far longer than what does: few iterations, chosen here.
+  seconds();
+  const double once = seconds();
+  const auto iterations = static_cast<std::int64_t>(std::clamp(0.002 / once, 2.0, 16.0));
   time_with(
       [&](benchmark::State& state) {
-        for ([[maybe_unused]] auto once : state) state.SetIterationTime(seconds());
+        for ([[maybe_unused]] auto turn : state) state.SetIterationTime(seconds());
       },
-      true, items, result);
+      iterations, items, result);
 }
 
 TargetScope::TargetScope(const std::string& target) {

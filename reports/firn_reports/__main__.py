@@ -7,7 +7,7 @@ from pathlib import Path
 
 import h5py
 
-from . import InputError, baseline, check, page, results, results_page, trajectory, trajectory_page
+from . import InputError, baseline, check, page, readme_table, results, results_page, trajectory, trajectory_page
 from .trajectory import text_attribute
 
 
@@ -31,6 +31,7 @@ def parse(arguments):
     parser.add_argument("--baseline", metavar="OLD", help="older results; exit 1 if something became worse than --threshold allows")
     parser.add_argument("--threshold", type=float, default=baseline.THRESHOLD, metavar="SHARE",
                         help="of --baseline: changes up to this share pass (default: %(default)s)")
+    parser.add_argument("--readme-table", action="store_true", help="print the summary of results as Markdown and write no page")
     parser.add_argument("-o", "--output", default="report", metavar="DIR", help="folder of the page (default: report)")
     return parser.parse_args(arguments)
 
@@ -52,6 +53,9 @@ def report(options, command):
 def report_results(options, checks, command):
     """Exit status 1 if something became worse than the baseline."""
     new, old = results.read(options.file), None
+    if options.readme_table:
+        print(readme_table.text(new))
+        return 0
     if options.baseline:
         if (kind := file_format(options.baseline)) != "firn-results":
             raise InputError(f"{options.baseline}: format: got {kind}, allowed: firn-results")

@@ -49,6 +49,8 @@ class Case:
     parameters: dict
     quantities: dict
     calibration: np.ndarray
+    wall_seconds: float = None       # what measuring it took, validation included
+    processor_seconds: float = None
 
     @property
     def quotable(self):
@@ -98,7 +100,7 @@ def read_case(suite, name, group):
         q = attributes(data)
         quantities[key] = Quantity(key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float))
     return Case(suite, name, a["title"], a["command"], a["status"], a["message"], a["validation"], int(a["session"]),
-                attributes(group["parameters"]), quantities, group["calibration"][()])
+                attributes(group["parameters"]), quantities, group["calibration"][()], a.get("wall_seconds"), a.get("processor_seconds"))
 
 
 def read_columns(group, columns):

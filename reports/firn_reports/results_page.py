@@ -1,6 +1,8 @@
 """The page of a results file: the summary first, then what each suite found."""
 
+from . import accuracy
 from . import baseline as comparison
+from . import limits
 from . import results_figures as figures
 from . import results_tables as tables
 from .page import Mark, Page, Section, Tile, number
@@ -12,13 +14,14 @@ INTRO = {
                 "The arithmetic is counted as a plain cubic-spline step needs it, so that a cleverer factorization can only look better than it is by this count.",
     "stages": "Where a step spends its time. Stages that a solver runs as one are named together.",
     "accuracy": "Error against exact solutions, and what it costs in time. A convergence plot of a FLIP blend depends on how α is chosen: the policy is named in each line. "
-                "`rate` means 1 − α ∝ Δt, a fixed damping per time; points on the Pareto front are ringed.",
+                "`rate` means 1 − α ∝ Δt, a fixed damping per time. “implicit β” is the semi-implicit step, solved to 1e-6.",
     "stability": "The largest stable step found by bisection, in units of h/c with the hardened sound speed c; dashed: predicted from the plane-wave recurrence, or for a lone particle.",
     "snowball": "A plastic impact has no formal order of convergence. What can be said are bands over seeds of the sampling.",
     "skips": "Share of a step that each skip saves, with and without it taking turns. Below zero it costs.",
     "targets": "The same code on every instruction set that this processor has.",
     "float": "What single precision costs, beside double: errors that are zero in exact arithmetic.",
-    "kernels": "Single kernels, each validated before it was timed.",
+    "kernels": "Single kernels, each validated before it was timed, on every instruction set of this processor, beside what libraries offer. P2G to “positions” are stages of a block that stays in the cache; "
+               "the optimized solver scatters mass, momentum and forces in one pass, which its row “P2G, mass and momentum” holds, and makes its weights inside it.",
 }
 
 
@@ -32,7 +35,7 @@ def build(results, old=None, threshold=comparison.THRESHOLD, command=""):
     page.sections = [section for section in [
         baseline_section(results, old, changes, broken, threshold) if old else None,
         verification_section(results), speed_section(results), roofline_section(results), stages_section(results),
-        accuracy_section(results), snowball_section(results), stability_section(results), skips_section(results), targets_section(results),
+        accuracy_section(results), snowball_section(results), stability_section(results), stress_section(results), skips_section(results), targets_section(results),
         float_section(results), kernels_section(results), noise_section(results), facts_section(results)] if section]
     page.sections = [section for section in page.sections if not section.empty()]
     present = {section.id for section in page.sections}
@@ -91,7 +94,7 @@ def tiles(results, old, changes):
     share = figures.best_share_of_peak(results)
     if share:
         result.append(Tile("Of the FMA peak", f"{number(100 * share[0], 2)} %", f"whole step by the plain count, {share[1]}", target="roofline"))
-    order = tables.best_order(results)
+    order = accuracy.best_order(results)
     if order:
         result.append(Tile("Observed order", number(order[0], 3), order[1], target="accuracy"))
     worst = tables.worst_stability(results)
@@ -119,6 +122,12 @@ def tiles(results, old, changes):
 def look_at(results, changes, broken):
     """The few things that deserve a reader's minute."""
     found = []
+    asked = max((int(s.get("cases_asked_for", 0)) for s in results.sessions), default=0)
+    if asked > len(results.cases):
+        found.append((f"An unfinished run: {len(results.cases)} of {asked} cases. firn bench on the same file completes it", "facts"))
+    changed = sorted({str(s["environment"]) for s in results.sessions if s.get("environment", "none") != "none"})
+    if changed:
+        found.append((f"Measured with {', '.join(changed)} in the environment", "facts"))
     busy = tables.busiest(results)
     if busy:
         found.append((f"The machine was busy: load {number(busy[0], 3)} on {busy[1]} processors. Ratios of interleaved runs hold, absolute times do not", "noise"))
@@ -189,19 +198,23 @@ def with_intro_only_if_filled(section):
 
 
 stages_section = simple("stages", "Stage by stage", "stages", figures.stages, "Time per stage")
-stability_section = simple("stability", "Stability", "stability", figures.stability, "Stable steps")
+stability_section = simple("stability", "Stability", "stability", limits.stability, "Stable steps")
 snowball_section = simple("snowball", "Plastic snowball over seeds", "snowball", figures.snowball, "Five seeds each")
 skips_section = simple("skips", "What each skip saves", "skips", figures.skips, "Skips")
 targets_section = simple("targets", "Instruction sets", "targets", figures.targets, "Instruction sets")
-float_section = simple("float", "Accuracy of float", "float", figures.float_accuracy, "Float against double")
+float_section = simple("float", "Accuracy of float", "float", limits.float_accuracy, "Float against double")
 kernels_section = simple("kernels", "Kernels", "kernels", figures.kernels, "Kernels")
 
 
 def accuracy_section(results):
     section = Section("accuracy", "Run time against error", INTRO["accuracy"])
-    section.figures = figures.accuracy(results)
-    section.tables = tables.orders(results) + tables.of_suite(results, "accuracy", "accuracy", "Errors and times")
+    section.figures = accuracy.figures(results)
+    section.tables = accuracy.time_to_error(results) + accuracy.order_table(results) + tables.of_suite(results, "accuracy", "accuracy", "Errors and times")
     return with_intro_only_if_filled(section)
+
+
+def stress_section(results):
+    return Section("stress", "Under stress", tables=limits.stress_table(results))
 
 
 def noise_section(results):

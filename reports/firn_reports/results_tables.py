@@ -42,33 +42,6 @@ def roofline_points(results):
                   "flop per byte", "% of FMA peak", "measure again"], rows, command="firn bench roofline steps")] if rows else []
 
 
-def order_rows(results):
-    """Order between neighbouring resolutions at CFL 0.4: (case, finer case, order)."""
-    rows = []
-    cases = [c for c in results.suite("accuracy") if c.quotable and c["cfl"] == 0.4]
-    for coarse in cases:
-        fine = next((f for f in cases if f["h"] == coarse["h"] / 2 and figures.line_name(f) == figures.line_name(coarse) and f["problem"] == coarse["problem"]), None)
-        if fine:
-            rows.append((coarse, fine, float(np.log2(coarse.value("error") / fine.value("error")))))
-    return sorted(rows, key=lambda r: (str(r[0]["problem"]), figures.line_name(r[0]), -r[0]["h"]))
-
-
-def orders(results):
-    rows = [[c["problem"], c["solver"], c["precision"], str(c["alpha_policy"]), c["cells"], f["cells"], c.value("error"), f.value("error"), order, Code(f.command)]
-            for c, f, order in order_rows(results)]
-    return [Table("orders", "Observed orders", ["problem", "solver", "precision", "α", "cells", "finer", "error", "finer error", "order", "measure again"], rows,
-                  "Order between two resolutions, Δt ∝ h.", "firn bench accuracy", open=True)] if rows else []
-
-
-def best_order(results):
-    """The order of the standing wave without damping, at the finest pair."""
-    rows = [r for r in order_rows(results) if r[0]["problem"] == "standing wave" and str(r[0]["alpha_policy"]) == "1" and r[0]["precision"] == "double"]
-    if not rows:
-        return None
-    coarse, fine, order = min(rows, key=lambda r: (r[1]["h"], r[0]["solver"] != "reference"))
-    return order, f"standing wave, α = 1, {coarse['cells']} to {fine['cells']} cells, {coarse['solver']}"
-
-
 def worst_stability(results):
     rows = [(abs(c.value("cfl") / c.value("predicted_cfl") - 1), f"{c['varied']} = {c['value']}") for c in results.suite("stability")
             if c.quotable and "predicted_cfl" in c.quantities]
@@ -162,8 +135,8 @@ def sessions(results):
 
 
 def all_cases(results):
-    return Table("cases", "Every case", ["suite", "case", "status", "remark", "session", "measure again"],
-                 [[c.suite, c.name, mark(c.status), c.message, c.session, Code(c.command)] for c in results.cases])
+    return Table("cases", "Every case", ["suite", "case", "status", "remark", "session", "took [s]", "processor time [s]", "measure again"],
+                 [[c.suite, c.name, mark(c.status), c.message, c.session, c.wall_seconds, c.processor_seconds, Code(c.command)] for c in results.cases])
 
 
 def repetitions(results):

@@ -65,7 +65,9 @@ def legend(axes, **options):
     """Legend above the axes, where it covers no data."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
-        columns = options.pop("ncols", min(len(labels), 3))
+        # A label of n characters takes about 0.065 n inches, the handle beside it 0.45.
+        room = axes.figure.get_figwidth() / (0.45 + 0.065 * max(len(label) for label in labels))
+        columns = max(1, min(options.pop("ncols", 3), len(labels), int(room)))
         axes.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=columns,
                     borderaxespad=0.1, columnspacing=1.2, handlelength=1.8, **options)
 

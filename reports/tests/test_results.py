@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from firn_reports import baseline, results, results_figures, results_page, results_tables, synthetic
+from firn_reports import accuracy, baseline, limits, readme_table, results, results_figures, results_page, results_tables, synthetic
 from firn_reports.__main__ import main
 from firn_reports.page import Page
 
@@ -93,9 +93,51 @@ def test_the_verdict_needs_every_check_and_every_case(folder):
 
 
 def test_orders_and_pareto_front(plain):
-    order, where = results_tables.best_order(results.read(plain.path)) or (None, "")
+    order, where = accuracy.best_order(results.read(plain.path)) or (None, "")
     assert order == pytest.approx(2.0) and "32 to 64" in where and "reference" in where
-    assert results_figures.pareto([(1, 5), (2, 6), (3, 1), (0.5, 9), (4, 1)]) == [3, 0, 2]
+    assert accuracy.pareto([(1, 5), (2, 6), (3, 1), (0.5, 9), (4, 1)]) == [3, 0, 2]
+
+
+def test_time_to_an_error_is_the_fastest_run_that_is_accurate_enough(plain):
+    table = accuracy.time_to_error(plain)[0]
+    rows = [dict(zip(table.columns, row)) for row in table.rows]
+    mine = {row["method"]: row for row in rows if row["error asked for"] == 0.03}
+    # α = 1 reaches 0.025 with 32 cells, α = 0 only with 64; float is 20 times faster.
+    explicit = mine["optimized, float"]
+    assert explicit["cells"] == 32 and explicit["α"] == "1" and explicit["wall time [s]"] == pytest.approx(100 * 32**2 * 1e-6)
+    assert explicit["times the fastest"] == 1 and mine["reference, double"]["times the fastest"] == pytest.approx(20)
+    # The implicit runs reach no more than 0.125.
+    assert not any("implicit" in name for name in mine)
+    assert any("implicit" in row["method"] for row in rows) is False
+
+
+def test_what_happened_under_stress_stands_beside_what_was_expected(folder):
+    broken = "F_E is not a number,optimized,float"
+    r = results.read(synthetic.write_results(folder / "stress.h5", status={broken: "invalid"}))
+    table = limits.stress_table(r)[0]
+    assert table.columns[:4] == ["situation", "expected", "reference, double", "optimized, float"]
+    row = next(row for row in table.rows if row[0] == "F_E is not a number")
+    assert row[1] == "stops" and row[3].kind == "bad" and str(row[2]).startswith("stopped")
+
+
+def test_the_table_for_the_readme_quotes_what_the_page_quotes(plain, folder, capsys):
+    text = readme_table.text(plain)
+    assert "| optimized, float, plastic | 1 000 000 | 10 M/s | 20 M/s (2 T) | 20× | – |" in text
+    assert "| verification of optimized, float | VALID, 3 checks |" in text and "| wrong solvers caught | 2 of 2 |" in text
+    assert "Measured 2026-01-01 on synthetic" in text
+    assert main([str(plain.path), "--readme-table"]) == 0
+    assert capsys.readouterr().out.strip() == text.strip()
+    noisy = results.read(synthetic.write_results(folder / "n.h5", status={"optimized,float,1T,plastic,1000000": "noisy"}))
+    assert "| optimized, float, plastic | 100 000 |" in readme_table.text(noisy)
+
+
+def test_an_unfinished_run_and_a_changed_environment_are_pointed_out(folder):
+    path = synthetic.write_results(folder / "unfinished.h5")
+    with h5py.File(path, "a") as file:
+        file["sessions/0"].attrs["cases_asked_for"] = 500.0
+        file["sessions/0"].attrs["environment"] = "FIRN_NO_SKIP=all"
+    texts = [text for text, _ in results_page.build(results.read(path))[0].look_at]
+    assert any("of 500 cases" in text for text in texts) and any("FIRN_NO_SKIP=all" in text for text in texts)
 
 
 def test_share_of_the_peak_is_the_plain_count_over_the_probe(plain):
@@ -114,7 +156,7 @@ def test_every_table_has_its_csv(folder, tmp_path):
     path = synthetic.write_results(folder / "csv.h5")
     assert main([str(path), "-o", str(tmp_path)]) == 0
     names = {p.stem for p in (tmp_path / "csv").iterdir()}
-    assert {"speed", "accuracy", "orders", "stability", "skips", "verify_1", "mutants", "repetitions", "cases"} <= names
+    assert {"speed", "accuracy", "orders", "time_to_error", "stress", "stability", "skips", "verify_1", "mutants", "repetitions", "cases"} <= names
     rows = (tmp_path / "csv" / "repetitions.csv").read_text().splitlines()
     expected = sum(len(q.values) for c in results.read(path).cases for q in c.quantities.values())
     assert len(rows) == 1 + expected

@@ -1,0 +1,197 @@
+"""Run time against error: figures and tables of the suite `accuracy`."""
+
+import numpy as np
+
+from .page import Code, Figure, Table
+from .results_figures import styles, who
+from .style import INK, MARKERS, MUTED, SERIES, legend, log_axis, panel, plain, to_svg
+
+# Errors that a user might ask for.
+TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
+
+
+def quoted(results):
+    return [c for c in results.suite("accuracy") if c.quotable]
+
+
+def integration(case):
+    return str(case["integration"] or "explicit")
+
+
+def is_explicit(case):
+    return integration(case) == "explicit"
+
+
+def line_name(case):
+    """What stays the same along a line over h."""
+    text = f"{who(case)}, α {case['alpha_policy']}"
+    return text if is_explicit(case) else f"{text}, {integration(case)}, CFL {plain(case['cfl'])}"
+
+
+def method(case):
+    """Solver, precision and kind of integration: what a user chooses between."""
+    return who(case) if is_explicit(case) else f"{who(case)}, {integration(case)}"
+
+
+def command(problem):
+    return f"firn bench 'accuracy/{problem}*'"
+
+
+def problems(cases):
+    return list(dict.fromkeys(c["problem"] for c in sorted(cases, key=lambda c: str(c["problem"]), reverse=True)))
+
+
+def figures(results):
+    cases = quoted(results)
+    made = []
+    for problem in problems(cases):
+        mine = [c for c in cases if c["problem"] == problem]
+        explicit = [c for c in mine if is_explicit(c)]
+        made += error_over_h(problem, [c for c in explicit if c["cfl"] == 0.4])
+        if len({c["cfl"] for c in explicit}) > 1:
+            made += error_over_step(problem, explicit)
+        made.append(work_precision(problem, mine))
+    return made
+
+
+def best_covered(cases, key):
+    """The cases of the one solver and precision that was asked for most values of `key`: one
+    suffices to show the order of the method, the others lie upon it."""
+    groups = {}
+    for c in cases:
+        groups.setdefault((c["solver"], c["precision"]), []).append(c)
+    if not groups:
+        return []
+    return max(groups.values(), key=lambda g: (len({c[key] for c in g}), g[0]["precision"] == "double", g[0]["solver"]))
+
+
+def draw_lines(axes, cases, x):
+    for name, style in styles(line_name(c) for c in sorted(cases, key=line_name)).items():
+        line = sorted([c for c in cases if line_name(c) == name], key=lambda c: c[x])
+        axes.plot([c[x] for c in line], [c.value("error") for c in line], label=name, **style)
+
+
+def error_over_h(problem, cases):
+    shown = best_covered(cases, "h")
+    if not shown:
+        return []
+    figure, axes = panel(4.6, 3.4)
+    draw_lines(axes, shown, "h")
+    h = np.array(sorted({c["h"] for c in shown}))
+    if len(h) > 1:
+        top = max(c.value("error") for c in shown)
+        for order, dash in ((1, ":"), (2, "--")):
+            axes.plot(h, 0.7 * top * (h / h[-1]) ** order, color=MUTED, linewidth=1, linestyle=dash, label=f"order {order}")
+    log_axis(axes, "x", 2)
+    log_axis(axes, "y")
+    axes.set_xlabel("h [m]")
+    axes.set_ylabel("relative error of u")
+    legend(axes, ncols=2)
+    return [Figure(f"{problem}: error over h", to_svg(figure), command=command(problem), caption=f"Explicit, CFL 0.4; {len(h)} resolutions.")]
+
+
+def error_over_step(problem, cases):
+    counts = {}
+    for c in cases:
+        counts.setdefault(c["cells"], set()).add(c["cfl"])
+    cells = max(counts, key=lambda n: len(counts[n]))
+    shown = best_covered([c for c in cases if c["cells"] == cells], "cfl")
+    lines = {line_name(c) for c in shown}
+    shown = [c for c in shown if sum(line_name(o) == line_name(c) for o in shown) > 1]
+    if not lines or not shown:
+        return []
+    figure, axes = panel(4.6, 3.4)
+    draw_lines(axes, shown, "cfl")
+    log_axis(axes, "x")
+    log_axis(axes, "y")
+    axes.set_xlabel("c Δt / h")
+    axes.set_ylabel("relative error of u")
+    legend(axes, ncols=2)
+    return [Figure(f"{problem}: error over Δt, {cells} cells", to_svg(figure), command=command(problem),
+                   caption="With a fixed α < 1 a smaller Δt damps more per second and the error grows.")]
+
+
+def pareto(points):
+    """Indices of the points that no other one beats in both coordinates (smaller is better)."""
+    order = sorted(range(len(points)), key=lambda i: points[i])
+    front, lowest = [], np.inf
+    for i in order:
+        if points[i][1] < lowest:
+            front.append(i)
+            lowest = points[i][1]
+    return front
+
+
+def work_precision(problem, cases):
+    """Every run as a mark, the front of each method as a line, the front of all ringed."""
+    cases = [c for c in cases if c.value("time")]
+    figure, axes = panel(4.6, 3.8)
+    names = sorted({method(c) for c in cases})
+    for i, name in enumerate(names):
+        mine = [c for c in cases if method(c) == name]
+        points = [(c.value("time"), c.value("error")) for c in mine]
+        colour, marker = SERIES[i % 8], MARKERS[i % 8]
+        axes.plot(*zip(*points), color=colour, marker=marker, linestyle="none", markersize=3.5, alpha=0.45)
+        front = [points[k] for k in pareto(points)]
+        axes.plot(*zip(*front), color=colour, marker=marker, linewidth=1.2, drawstyle="steps-post", label=name)
+    points = [(c.value("time"), c.value("error")) for c in cases]
+    front = pareto(points)
+    axes.plot([points[i][0] for i in front], [points[i][1] for i in front], linestyle="none", marker="o", markersize=10,
+              fillstyle="none", color=INK, label="Pareto front of all")
+    log_axis(axes, "x")
+    log_axis(axes, "y")
+    axes.set_xlabel("wall time [s]")
+    axes.set_ylabel("relative error of u")
+    legend(axes, ncols=2)
+    return Figure(f"{problem}: run time against error", to_svg(figure), command=command(problem),
+                  caption="Down and left is better. Pale: every run, over h, Δt and α; lines: the front of each method; ringed: nobody is both faster and more accurate.")
+
+
+def reaching(cases, target):
+    """The fastest case whose error is at most `target`, or None."""
+    return min((c for c in cases if c.value("time") and c.value("error") <= target), key=lambda c: c.value("time"), default=None)
+
+
+def time_to_error(results):
+    """Time to reach a given error, for every method; the fastest of each problem is marked in words."""
+    rows = []
+    cases = quoted(results)
+    for problem in problems(cases):
+        mine = [c for c in cases if c["problem"] == problem]
+        for target in TARGETS:
+            found = [(name, reaching([c for c in mine if method(c) == name], target)) for name in sorted({method(c) for c in mine})]
+            found = [(name, c) for name, c in found if c is not None]
+            fastest = min((c.value("time") for _, c in found), default=None)
+            for name, c in sorted(found, key=lambda f: f[1].value("time")):
+                rows.append([problem, target, name, c.value("time"), c.value("time") / fastest, c.value("error"), c["cells"], c["cfl"],
+                             str(c["alpha_policy"]), Code(c.command)])
+    return [Table("time_to_error", "Time to reach a given error", ["problem", "error asked for", "method", "wall time [s]", "times the fastest", "error reached",
+                  "cells", "CFL", "α", "measure again"], rows, "The fastest run over h, Δt and α whose error is small enough. A method without a row did not get there in any run.",
+                  "firn bench accuracy")] if rows else []
+
+
+def order_rows(results):
+    """Order between neighbouring resolutions at CFL 0.4: (case, finer case, order)."""
+    rows = []
+    cases = [c for c in quoted(results) if is_explicit(c) and c["cfl"] == 0.4]
+    for coarse in cases:
+        fine = next((f for f in cases if f["h"] == coarse["h"] / 2 and line_name(f) == line_name(coarse) and f["problem"] == coarse["problem"]), None)
+        if fine:
+            rows.append((coarse, fine, float(np.log2(coarse.value("error") / fine.value("error")))))
+    return sorted(rows, key=lambda r: (str(r[0]["problem"]), line_name(r[0]), -r[0]["h"]))
+
+
+def order_table(results):
+    rows = [[c["problem"], c["solver"], c["precision"], str(c["alpha_policy"]), c["cells"], f["cells"], c.value("error"), f.value("error"), order, Code(f.command)]
+            for c, f, order in order_rows(results)]
+    return [Table("orders", "Observed orders", ["problem", "solver", "precision", "α", "cells", "finer", "error", "finer error", "order", "measure again"], rows,
+                  "Order between two resolutions, Δt ∝ h.", "firn bench accuracy", open=True)] if rows else []
+
+
+def best_order(results):
+    """The order of the standing wave without damping, at the finest pair."""
+    rows = [r for r in order_rows(results) if r[0]["problem"] == "standing wave" and str(r[0]["alpha_policy"]) == "1" and r[0]["precision"] == "double"]
+    if not rows:
+        return None
+    coarse, fine, order = min(rows, key=lambda r: (r[1]["h"], r[0]["solver"] != "reference"))
+    return order, f"standing wave, α = 1, {coarse['cells']} to {fine['cells']} cells, {coarse['solver']}"

@@ -1,0 +1,72 @@
+"""The summary of a results file as a Markdown table, for the README."""
+
+from . import accuracy
+from . import results_figures as figures
+from . import results_tables as tables
+from .page import number
+
+
+def million(rate):
+    return f"{number(rate / 1e6, 3)} M/s"
+
+
+def rate_rows(results):
+    """One row per solver, precision and deformation: one thread, all threads, speed-up."""
+    cases = [c for c in results.suite("steps") if c.quotable]
+    rows = []
+    for name in sorted({(c["solver"], c["precision"], c["deformation"]) for c in cases}, key=lambda n: (n[0] != "reference", n)):
+        mine = [c for c in cases if (c["solver"], c["precision"], c["deformation"]) == name]
+        particles = max((c["particles"] for c in mine if c["threads"] == 1), default=None)
+        at = {c["threads"]: c for c in mine if c["particles"] == particles}
+        if 1 not in at:
+            continue
+        most = max(at)
+        ratio = next((c for c in results.suite("speedup") if c.quotable and c["threads"] == 1 and
+                      (c["solver"], c["precision"], c["deformation"]) == name), None)
+        memory = at[1].value("memory")
+        rows.append([f"{name[0]}, {name[1]}, {name[2]}", f"{number(particles)}", million(at[1].value("rate")),
+                     f"{million(at[most].value('rate'))} ({most} T)" if most > 1 else "–",
+                     f"{number(ratio.value('speedup'), 3)}×" if ratio else "–",
+                     f"{number(memory, 3)} B" if memory else "–"])
+    return rows
+
+
+def facts(results):
+    """(what, figure) of everything else that the summary quotes."""
+    found = []
+    if (share := figures.best_share_of_peak(results)):
+        found.append((f"share of the FMA peak, {share[1]}, plain count", f"{number(100 * share[0], 2)} %"))
+    if (order := accuracy.best_order(results)):
+        found.append((f"observed order, {order[1]}", number(order[0], 3)))
+    if (worst := tables.worst_stability(results)):
+        found.append((f"stability limits, largest distance from prediction ({worst[1]})", f"{number(100 * worst[0], 2)} %"))
+    for subject, verdict in results.verify.items():
+        found.append((f"verification of {subject}", f"{verdict['verdict']}, {len(verdict['rows'])} checks"))
+    if results.mutants:
+        rows = results.mutants["rows"]
+        found.append(("wrong solvers caught", f"{sum(bool(r['caught']) for r in rows)} of {len(rows)}"))
+    quoted = sum(c.quotable for c in results.cases)
+    if results.cases:
+        found.append(("cases quoted, of all that were measured", f"{quoted} of {len(results.cases)}"))
+    if (noise := tables.noise(results)) is not None:
+        found.append(("noise: spread of a fixed loop between the cases", f"{number(100 * noise, 2)} %"))
+    return found
+
+
+def markdown_table(columns, rows):
+    lines = ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
+    return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
+
+
+def text(results):
+    machine = results.sessions[0] if results.sessions else {}
+    lines = []
+    if (rows := rate_rows(results)):
+        lines += markdown_table(["particle-steps per second", "particles", "1 thread", "all threads", "times the reference", "memory per particle"], rows) + [""]
+    if (found := facts(results)):
+        lines += markdown_table(["what", "figure"], found) + [""]
+    lines.append(f"Measured {str(machine.get('started', 'unknown'))[:10]} on {machine.get('processor', 'an unknown processor')}, "
+                 f"{machine.get('processors', '?')} processors, {machine.get('instruction_set', '?')}, {machine.get('compiler', '?')}, commit {machine.get('git_commit', '?')}, "
+                 f"load {str(machine.get('load_average', '?')).split(' ')[0]} at the start, by")
+    lines += ["", "```sh", f"firn bench -o {results.path}", f"firn report {results.path} --readme-table", "```"]
+    return "\n".join(lines)
