@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
+#include <deque>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +15,7 @@
 #include "bench/results_file.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "firn/machine.hpp"
 #include "verification/cases/snow.hpp"
 #include "verification/check/check.hpp"
 #include "verification/mutants/mutants.hpp"
@@ -37,37 +40,61 @@ suite::Subject subject_of(const std::string& solver, const Registry& registry) {
   return subject;
 }
 
-/// The first test that fails with this filter, run in a process of its own; "" if all pass.
+/// What a function says in a process of its own: a mutant may do anything, and GoogleTest runs
+/// once per process.
+class Worker {
+ public:
+  template <class Say>
+  explicit Worker(const Say& say) {
+    int ends[2];
+    if (pipe(ends) != 0)
+      throw InputError("--mutants", "pipe", std::strerror(errno), "two descriptors");
+    std::fflush(nullptr);
+    pid_ = fork();
+    if (pid_ < 0)
+      throw InputError("--mutants", "process", std::strerror(errno), "one more process");
+    if (pid_ == 0) {
+      close(ends[0]);
+      const std::string text = say();
+      const ssize_t written = write(ends[1], text.data(), text.size());
+      _exit(written == static_cast<ssize_t>(text.size()) ? 0 : 1);
+    }
+    close(ends[1]);
+    end_ = ends[0];
+  }
+
+  /// Waits for it; nothing if it crashed.
+  std::optional<std::string> answer() {
+    std::string text;
+    char buffer[256];
+    for (ssize_t n; (n = read(end_, buffer, sizeof buffer)) > 0;)
+      text.append(buffer, static_cast<std::size_t>(n));
+    close(end_);
+    int status = 0;
+    waitpid(pid_, &status, 0);
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return {};
+    return text;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int end_ = -1;
+};
+
+/// The first test that fails with this filter; "" if all pass.
 std::string first_failure(const std::string& solver, const std::string& filter,
                           const Registry& registry) {
-  int ends[2];
-  if (pipe(ends) != 0)
-    throw InputError("--mutants", "pipe", std::strerror(errno), "two descriptors");
-  std::fflush(nullptr);
-  const pid_t pid = fork();
-  if (pid < 0) throw InputError("--mutants", "process", std::strerror(errno), "one more process");
-  if (pid == 0) {
+  Worker worker([&] {
     suite::set_subject(subject_of(solver, registry));
     suite::RunOptions options;
     options.filter = filter;
     options.fail_fast = true;
     options.quiet = true;
-    std::string failed;
     for (const suite::TestResult& test : suite::run(options).tests)
-      if (test.failed && failed.empty()) failed = test.topic + "." + test.name;
-    const ssize_t written = write(ends[1], failed.data(), failed.size());
-    _exit(written == static_cast<ssize_t>(failed.size()) ? 0 : 1);
-  }
-  close(ends[1]);
-  std::string name;
-  char buffer[256];
-  for (ssize_t n; (n = read(ends[0], buffer, sizeof buffer)) > 0;)
-    name.append(buffer, static_cast<std::size_t>(n));
-  close(ends[0]);
-  int status = 0;
-  waitpid(pid, &status, 0);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return "a crash";
-  return name;
+      if (test.failed) return test.topic + "." + test.name;
+    return std::string();
+  });
+  return worker.answer().value_or("a crash");
 }
 
 /// What lockstep says first, over all cases.
@@ -83,7 +110,7 @@ std::optional<Divergence> named_by_check(const std::string& solver, const Regist
 }
 
 struct Score {
-  const Mutant* mutant;
+  const Mutant* mutant = nullptr;
   std::string by_properties;  ///< first failure of the suites that know no other solver
   std::string caught_by;      ///< that, or the first of those that compare with the reference
   std::string named;          ///< stages that check names
@@ -121,6 +148,37 @@ std::string stage_of(const Mutant& mutant) {
   return mutant.several ? "several" : stage_range(mutant.stage, mutant.stage);
 }
 
+/// As many at a time as there are processors.
+std::vector<Score> all_scores(const Registry& registry) {
+  const auto score_as_text = [&](const Mutant& mutant) {
+    const Score s = score_of(mutant, registry);
+    return fmt::format("{}\n{}\n{}\n{}\n", s.by_properties, s.caught_by, s.named,
+                       s.stage_right ? 1 : 0);
+  };
+  const std::vector<Mutant>& mutants = all_mutants();
+  const auto width = static_cast<std::size_t>(available_processors());
+  std::deque<Worker> running;
+  std::vector<Score> scores;
+  for (std::size_t next = 0; scores.size() < mutants.size();) {
+    for (; next < mutants.size() && running.size() < width; ++next)
+      running.emplace_back([&] { return score_as_text(mutants[next]); });
+    std::istringstream answer(running.front().answer().value_or("a crash\na crash\n\n0\n"));
+    running.pop_front();
+    Score s;
+    s.mutant = &mutants[scores.size()];
+    std::string right;
+    std::getline(answer, s.by_properties);
+    std::getline(answer, s.caught_by);
+    std::getline(answer, s.named);
+    std::getline(answer, right);
+    s.stage_right = right == "1";
+    std::fprintf(stderr, "%3zu/%zu %-34s %s\n", scores.size() + 1, mutants.size(),
+                 s.mutant->name.c_str(), s.caught_by.empty() ? "SURVIVED" : s.caught_by.c_str());
+    scores.push_back(std::move(s));
+  }
+  return scores;
+}
+
 void write(const std::string& path, const std::vector<Score>& scores) {
   results::ResultsFile file(path, bench::machine_facts(0), bench::comparable_facts());
   std::vector<results::Mutant> rows;
@@ -134,13 +192,7 @@ void write(const std::string& path, const std::vector<Score>& scores) {
 
 int run_mutation_score(const Registry& registry, const std::string& results, bool json) {
   const std::string unmutated = first_failure("reference", "", registry);
-  std::vector<Score> scores;
-  for (const Mutant& mutant : all_mutants()) {
-    scores.push_back(score_of(mutant, registry));
-    const Score& s = scores.back();
-    std::fprintf(stderr, "%-34s %-28s %-28s %s\n", mutant.name.c_str(), stage_of(mutant).c_str(),
-                 s.named.c_str(), s.caught_by.empty() ? "SURVIVED" : s.caught_by.c_str());
-  }
+  const std::vector<Score> scores = all_scores(registry);
   if (!results.empty()) write(results, scores);
   const auto count = [&](auto holds) { return std::count_if(scores.begin(), scores.end(), holds); };
   const auto caught = count([](const Score& s) { return !s.caught_by.empty(); });

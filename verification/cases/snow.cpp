@@ -30,6 +30,7 @@ constexpr double h = 0.05;
 
 Scene snow_scene() {
   Scene scene;
+  scene.name = "lump";
   scene.gravity = {0.5, 0, -9.81};
   scene.grid.spacing = h;
   scene.grid.origin = {0.01, -0.02, 0.03};
@@ -47,6 +48,11 @@ Scene snow_scene() {
   wet.critical_stretch = 5e-3;
   scene.materials = {Material{}, wet};
   scene.materials[0].name = "dry";
+  // Where the scene would have its particles; a guest is given the scene's text.
+  Body body;
+  body.shape = Box{Vec3::Zero(), Vec3::Constant(h)};
+  body.sampling = Sampling::lattice;
+  scene.bodies = {body};
   return scene;
 }
 

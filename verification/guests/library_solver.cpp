@@ -5,6 +5,7 @@
 
 #include "firn/error.hpp"
 #include "io/one_line.hpp"
+#include "io/scene/scene_file.hpp"
 #include "verification/guests/finite.hpp"
 #include "verification/guests/time_step.hpp"
 
@@ -94,7 +95,8 @@ void LibrarySolver::load(const Scene& scene, const State& state) {
   particles_ = state.particles.size();
   next_ = state.next;
   Packet question(Kind::load);
-  question.put(scene.toml);
+  // Scenes need not come from a file.
+  question.put(scene.toml.empty() ? resolved_toml(scene) : scene.toml);
   put_state(question, state);
   ask(question, state.next).expect_end();
 }

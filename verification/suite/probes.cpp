@@ -25,6 +25,11 @@ Scene plain_scene() {
   scene.time.frames_per_second = 1;
   scene.flip = 1;
   scene.materials = {elastic_material()};
+  // Where the scene would have its particles; a guest is given the scene's text.
+  Body body;
+  body.shape = Box{Vec3::Zero(), Vec3::Constant(spacing)};
+  body.sampling = Sampling::lattice;
+  scene.bodies = {body};
   return scene;
 }
 

@@ -84,9 +84,10 @@ std::string to_table(const Verdict& verdict) {
     if (row.valid) continue;
     if (!any_failure) out += "\nfailures, each with the command that repeats it:\n";
     any_failure = true;
-    fmt::format_to(to, "  {}.{}: {}: {} of the bound{}{}\n      {}\n", row.topic, row.test,
-                   row.what, in_bounds(row.largest), row.detail.empty() ? "" : ", ", row.detail,
-                   command_of(row.topic, row.test));
+    const std::string how =
+        std::isinf(row.largest) ? "" : fmt::format(": {} of the bound", in_bounds(row.largest));
+    fmt::format_to(to, "  {}.{}: {}{}{}{}\n      {}\n", row.topic, row.test, row.what, how,
+                   row.detail.empty() ? "" : ": ", row.detail, command_of(row.topic, row.test));
   }
   fmt::format_to(to, "\n{}: {}: {} numbers in {} checks, largest error {} of its bound, {:.0f} s\n",
                  verdict.valid() ? "VALID" : "INVALID", subject_name(), verdict.numbers(),

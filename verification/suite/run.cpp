@@ -83,6 +83,10 @@ class Listener final : public testing::EmptyTestEventListener {
   static std::string first_line(const char* message) {
     std::string text = message;
     if (text.rfind("Failed\n", 0) == 0) text.erase(0, 7);
+    for (const char* wrapping :
+         {"C++ exception with description \"", "\" thrown in the test body."})
+      if (const auto at = text.find(wrapping); at != std::string::npos)
+        text.erase(at, std::string(wrapping).size());
     while (!text.empty() && text.back() == '\n') text.pop_back();
     for (char& c : text)
       if (c == '\n') c = ' ';
