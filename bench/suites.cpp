@@ -7,7 +7,8 @@ const std::vector<SuiteEntry>& suites() {
       {"roofline", "machine probes: FMA peak and memory bandwidth", plan_roofline_suite},
       {"kernels", "single kernels with Google Benchmark, beside Eigen and GSL", plan_kernels_suite},
       {"speedup", "each solver against the reference, interleaved", plan_speedup_suite},
-      {"stages", "time per particle and stage", plan_stages_suite},
+      {"stages", "time per particle and stage, shares of FMA peak and bandwidth",
+       plan_stages_suite},
       {"skips", "what each skip of the optimized solver saves, and where it costs",
        plan_skips_suite},
       {"float", "accuracy of float: creep, small strains, far from the origin, long runs",
@@ -20,6 +21,8 @@ const std::vector<SuiteEntry>& suites() {
        plan_stress_suite},
       {"targets", "the optimized solver on every instruction set of this processor",
        plan_targets_suite},
+      {"scaling", "cost per particle over their number, and efficiency of threads",
+       plan_scaling_suite},
       {"steps", "particle-steps per second over sizes and threads", plan_steps_suite},
   };
   return all;

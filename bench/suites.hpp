@@ -7,6 +7,7 @@ namespace firn::bench {
 
 void plan_roofline_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_steps_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_scaling_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_stages_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_speedup_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_accuracy_suite(const Registry&, const Options&, std::vector<CasePlan>&);

@@ -153,7 +153,7 @@ def roofline(results):
 def stages(results):
     made = []
     for case in sorted(results.suite("stages"), key=lambda c: c.name):
-        rows = [(name.replace("_", " "), *np.maximum([q.median, *q.quartiles], 0)) for name, q in case.quantities.items() if name != "whole step"]
+        rows = [(name.replace("_", " "), *np.maximum([q.median, *q.quartiles], 0)) for name, q in case.quantities.items() if name != "whole step" and q.units == "ns"]
         order = ["rasterize", "volumes", "grid forces", "grid velocities", "grid collisions", "integration", "deformation",
                  "particle velocities", "particle collisions", "positions"]
         rows.sort(key=lambda row: next((i for i, name in enumerate(order) if row[0].startswith(name)), 99))
