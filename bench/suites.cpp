@@ -14,6 +14,7 @@ const std::vector<SuiteEntry>& suites() {
       {"float", "accuracy of float: creep, small strains, far from the origin, long runs",
        plan_float_suite},
       {"accuracy", "run time against error on exact solutions", plan_accuracy_suite},
+      {"implicit", "semi-implicit steps: iterations, cost, when they pay", plan_implicit_suite},
       {"snowball", "bands of a plastic impact over seeds", plan_snowball_suite},
       {"stability", "largest stable time step by bisection, against prediction",
        plan_stability_suite},

@@ -16,6 +16,7 @@ void plan_stress_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_float_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_skips_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_kernels_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+void plan_implicit_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_snowball_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_targets_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 

@@ -84,7 +84,7 @@ nlohmann::ordered_json bounds_that_held(const RunResult& result) {
 }
 
 void print_json(const RunResult& result, const std::filesystem::path& out, std::int64_t particles) {
-  const Diagnostics& d = result.diagnostics;
+  const DiagnosticsRow& d = result.diagnostics;
   const auto vec = [](const Vec3& v) { return nlohmann::json{v[0], v[1], v[2]}; };
   nlohmann::ordered_json object = {
       {"status", status_text(result.status)},
@@ -111,13 +111,14 @@ void print_json(const RunResult& result, const std::filesystem::path& out, std::
         {"min_J_E", d.min_J_E},
         {"max_J_E", d.max_J_E},
         {"grid_nodes", d.grid_nodes},
-        {"solver_iterations", d.solver_iterations}}}};
+        {"solver_iterations", d.solver_iterations},
+        {"solver_residual", d.solver_residual}}}};
   fmt::print("{}\n", object.dump(2));
 }
 
 void print_summary(const RunResult& result, const std::filesystem::path& out,
                    std::int64_t particles) {
-  const Diagnostics& d = result.diagnostics;
+  const DiagnosticsRow& d = result.diagnostics;
   std::string bounds;
   const nlohmann::ordered_json held = bounds_that_held(result);
   for (const auto& [bound, count] : held.items())

@@ -39,7 +39,7 @@ Resume::Resume(const std::filesystem::path& path, std::optional<std::int64_t> fr
     throw InputError(where, "steps made", std::to_string(step_),
                      "at most the " + std::to_string(file_.rows()) + " diagnostics rows");
   if (step_ == 0) return;
-  const std::vector<Diagnostics> rows = file_.diagnostics();
+  const std::vector<DiagnosticsRow> rows = file_.diagnostics();
   const auto last = static_cast<std::size_t>(step_ - 1);
   if (rows[last].time != time_)
     throw InputError(where, "time", to_text(time_),

@@ -40,7 +40,7 @@ SimulationError not_finite(const Solver& solver, const std::string& quantity) {
                          quantity + " of the diagnostics is not finite after the step");
 }
 
-void require_finite(const Solver& solver, const Diagnostics& row) {
+void require_finite(const Solver& solver, const DiagnosticsRow& row) {
   double values[3];
   for (std::size_t c = 0; c < diagnostics_columns.size(); ++c) {
     get_column(row, c, values);
@@ -54,7 +54,7 @@ void require_finite(const Solver& solver, const Diagnostics& row) {
 RunResult Run::operator()() {
   start();
   try {
-    result_.diagnostics = solver_.diagnostics();
+    result_.diagnostics = {solver_.diagnostics()};
     result_.diagnostics.time = time_;
     run_to_the_end();
     if (step_ != last_frame_step_) write_frame();
@@ -128,11 +128,12 @@ void Run::step(double dt) {
     throw error;
   }
   const StepReport report = solver_.step(dt);
-  Diagnostics row = solver_.diagnostics();
+  DiagnosticsRow row{solver_.diagnostics()};
   row.time = time_ + dt;
   row.dt = dt;
   row.grid_nodes = report.grid_nodes;
   row.solver_iterations = report.solver_iterations;
+  row.solver_residual = report.solver_residual;
   require_finite(solver_, row);
 
   ++step_;

@@ -10,23 +10,23 @@
 #include <optional>
 #include <string>
 
-#include "firn/diagnostics.hpp"
 #include "firn/scene.hpp"
 #include "firn/solver.hpp"
+#include "io/diagnostics_row.hpp"
 
 namespace firn {
 
 /// After every step.
 struct Progress {
-  std::int64_t step = 0;                     ///< steps completed, counted from t = 0
-  double time = 0;                           ///< [s]
-  double end = 0;                            ///< where the run will end [s]
-  double fraction = 0;                       ///< of this run that is done, in [0, 1]
-  std::int64_t frames = 0;                   ///< in the file
-  std::int64_t particles = 0;                ///< N
-  double seconds = 0;                        ///< wall time since the first step of this run
-  double steps_per_second = 0;               ///< over this run, output included
-  const Diagnostics* diagnostics = nullptr;  ///< of this step; valid during the call
+  std::int64_t step = 0;                        ///< steps completed, counted from t = 0
+  double time = 0;                              ///< [s]
+  double end = 0;                               ///< where the run will end [s]
+  double fraction = 0;                          ///< of this run that is done, in [0, 1]
+  std::int64_t frames = 0;                      ///< in the file
+  std::int64_t particles = 0;                   ///< N
+  double seconds = 0;                           ///< wall time since the first step of this run
+  double steps_per_second = 0;                  ///< over this run, output included
+  const DiagnosticsRow* diagnostics = nullptr;  ///< of this step; valid during the call
 };
 
 /// After every frame, once it is in the file for good.
@@ -86,7 +86,7 @@ struct RunResult {
   double worst_residual = 0;          ///< largest StepReport::solver_residual of this run
   std::int64_t indefinite_steps = 0;  ///< steps whose semi-implicit system was indefinite
   double seconds = 0;                 ///< wall time from the first step on
-  Diagnostics diagnostics;            ///< of the last good state
+  DiagnosticsRow diagnostics;         ///< of the last good state
 
   int exit_status() const;  ///< 0, 130 or 3
 };

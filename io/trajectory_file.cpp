@@ -85,7 +85,7 @@ void TrajectoryFile::count_frames(std::int64_t frames, double time) {
   flush();
 }
 
-void TrajectoryFile::write_rows(std::int64_t first, std::span<const Diagnostics> rows) {
+void TrajectoryFile::write_rows(std::int64_t first, std::span<const DiagnosticsRow> rows) {
   std::vector<double> values;
   for (std::size_t c = 0; c < diagnostics_columns.size(); ++c) {
     const DiagnosticsColumn& column = diagnostics_columns[c];

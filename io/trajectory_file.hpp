@@ -9,8 +9,8 @@
 #include <span>
 #include <string>
 
-#include "firn/diagnostics.hpp"
 #include "firn/state.hpp"
+#include "io/diagnostics_row.hpp"
 #include "io/hdf5_id.hpp"
 #include "io/trajectory_format.hpp"
 #include "io/trajectory_layout.hpp"
@@ -26,7 +26,7 @@ class TrajectoryFile {
 
   /// Values into slots that are not counted yet. A particle quantity that is
   /// not finite in the file's precision is a SimulationError.
-  void write_rows(std::int64_t first, std::span<const Diagnostics> rows);
+  void write_rows(std::int64_t first, std::span<const DiagnosticsRow> rows);
   void write_frame(std::int64_t frame, const State& state, std::span<const std::byte> restart);
 
   /// Everything written so far goes to the file, in an order of HDF5's own.

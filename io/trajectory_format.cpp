@@ -25,19 +25,20 @@ void visit_column(Row& d, std::size_t column, VisitReal real, VisitInteger integ
     case 11: return real(&d.max_J_E);
     case 12: return integer(d.grid_nodes);
     case 13: return integer(d.solver_iterations);
+    case 14: return real(&d.solver_residual);
   }
 }
 
 }  // namespace
 
-void get_column(const Diagnostics& row, std::size_t column, double* values) {
+void get_column(const DiagnosticsRow& row, std::size_t column, double* values) {
   visit_column(
       row, column,
       [&](const double* v) { std::copy_n(v, diagnostics_columns[column].components, values); },
       [&](std::int64_t n) { *values = static_cast<double>(n); });
 }
 
-void set_column(Diagnostics& row, std::size_t column, const double* values) {
+void set_column(DiagnosticsRow& row, std::size_t column, const double* values) {
   visit_column(
       row, column,
       [&](double* v) { std::copy_n(values, diagnostics_columns[column].components, v); },

@@ -19,8 +19,8 @@
 #include <string>
 #include <string_view>
 
-#include "firn/diagnostics.hpp"
 #include "firn/types.hpp"
+#include "io/diagnostics_row.hpp"
 
 namespace firn {
 
@@ -56,9 +56,10 @@ struct DiagnosticsColumn {
   const char* units;
   int components;
   bool integer;
+  bool optional = false;  ///< files of other programs, and of older versions, may lack it
 };
 
-inline constexpr std::array<DiagnosticsColumn, 14> diagnostics_columns = {
+inline constexpr std::array<DiagnosticsColumn, 15> diagnostics_columns = {
     {{"time", "s", 1, false},
      {"dt", "s", 1, false},
      {"mass", "kg", 1, false},
@@ -72,14 +73,15 @@ inline constexpr std::array<DiagnosticsColumn, 14> diagnostics_columns = {
      {"min_J_E", "1", 1, false},
      {"max_J_E", "1", 1, false},
      {"grid_nodes", "1", 1, true},
-     {"solver_iterations", "1", 1, true}}};
+     {"solver_iterations", "1", 1, true},
+     {"solver_residual", "1", 1, false, true}}};
 
 /// Bytes of one diagnostics row.
-inline constexpr double diagnostics_row_bytes = 8 * 20;
+inline constexpr double diagnostics_row_bytes = 8 * 21;
 
 /// The values of one column in one row: `components` of them, from `values` on.
 /// Integer columns: grid_nodes and solver_iterations, exact in a double.
-void get_column(const Diagnostics& row, std::size_t column, double* values);
-void set_column(Diagnostics& row, std::size_t column, const double* values);
+void get_column(const DiagnosticsRow& row, std::size_t column, double* values);
+void set_column(DiagnosticsRow& row, std::size_t column, const double* values);
 
 }  // namespace firn

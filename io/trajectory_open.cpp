@@ -140,6 +140,7 @@ void TrajectoryReader::Open::read_firn() {
   if (!file.has("/firn/diagnostics")) return;
   rows = file.integer_attribute("/firn/diagnostics", "rows");
   for (const DiagnosticsColumn& column : diagnostics_columns) {
+    if (column.optional && !file.has(std::string("/firn/diagnostics/") + column.name)) continue;
     const hdf5::InputDataset data =
         file.dataset(std::string("/firn/diagnostics/") + column.name,
                      column.integer ? hdf5::Kind::integer : hdf5::Kind::real, column.components);

@@ -80,16 +80,17 @@ const std::optional<TrajectoryInfo>& TrajectoryReader::info() const { return ope
 
 std::int64_t TrajectoryReader::rows() const { return open_->rows; }
 
-std::vector<Diagnostics> TrajectoryReader::diagnostics() const {
-  std::vector<Diagnostics> rows(static_cast<std::size_t>(open_->rows));
+std::vector<DiagnosticsRow> TrajectoryReader::diagnostics() const {
+  std::vector<DiagnosticsRow> rows(static_cast<std::size_t>(open_->rows));
   std::vector<double> values;
   for (std::size_t c = 0; c < diagnostics_columns.size() && !rows.empty(); ++c) {
     const DiagnosticsColumn& column = diagnostics_columns[c];
+    const std::string name = std::string("/firn/diagnostics/") + column.name;
+    if (column.optional && !open_->file.has(name)) continue;
     const auto components = static_cast<std::size_t>(column.components);
     values.resize(rows.size() * components);
     open_->file
-        .dataset(std::string("/firn/diagnostics/") + column.name,
-                 column.integer ? hdf5::Kind::integer : hdf5::Kind::real, column.components)
+        .dataset(name, column.integer ? hdf5::Kind::integer : hdf5::Kind::real, column.components)
         .read(0, open_->rows, values.data());
     for (std::size_t r = 0; r < rows.size(); ++r) set_column(rows[r], c, &values[r * components]);
   }

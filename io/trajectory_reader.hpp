@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "firn/diagnostics.hpp"
 #include "firn/state.hpp"
+#include "io/diagnostics_row.hpp"
 #include "io/trajectory_format.hpp"
 
 namespace firn {
@@ -48,7 +48,7 @@ class TrajectoryReader {
 
   /// Rows of /firn/diagnostics, one per step.
   std::int64_t rows() const;
-  std::vector<Diagnostics> diagnostics() const;
+  std::vector<DiagnosticsRow> diagnostics() const;
 
  private:
   struct Open;

@@ -81,13 +81,13 @@ std::filesystem::path TrajectoryWriter::partial_path() const {
 
 void TrajectoryWriter::copy_from(const TrajectoryReader& source,
                                  const std::vector<std::int64_t>& frames, std::int64_t rows) {
-  const std::vector<Diagnostics> diagnostics = source.diagnostics();
+  const std::vector<DiagnosticsRow> diagnostics = source.diagnostics();
   waiting_.insert(waiting_.end(), diagnostics.begin(), diagnostics.begin() + rows);
   for (const std::int64_t frame : frames)
     append_frame(source.read_frame(frame), source.restart(frame));
 }
 
-void TrajectoryWriter::add_row(const Diagnostics& row) { waiting_.push_back(row); }
+void TrajectoryWriter::add_row(const DiagnosticsRow& row) { waiting_.push_back(row); }
 
 void TrajectoryWriter::forget_rows_after(std::int64_t step) {
   const auto keep = static_cast<std::size_t>(std::max<std::int64_t>(step - rows_, 0));

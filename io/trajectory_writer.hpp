@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "firn/diagnostics.hpp"
 #include "firn/state.hpp"
+#include "io/diagnostics_row.hpp"
 #include "io/trajectory_format.hpp"
 
 namespace firn {
@@ -46,7 +46,7 @@ class TrajectoryWriter {
 
   /// The row of the step just made. Kept in memory until the next frame: rows
   /// and frames on the disk always belong together.
-  void add_row(const Diagnostics& row);
+  void add_row(const DiagnosticsRow& row);
 
   /// Drops the rows waiting that belong to steps after `step`.
   void forget_rows_after(std::int64_t step);
@@ -79,7 +79,7 @@ class TrajectoryWriter {
   std::filesystem::path current_;  ///< where file_ is: OUTPUT.partial or, once published, OUTPUT
   TrajectoryInfo info_;
   std::unique_ptr<TrajectoryFile> file_;
-  std::vector<Diagnostics> waiting_;
+  std::vector<DiagnosticsRow> waiting_;
   std::int64_t frames_ = 0, rows_ = 0;  ///< complete in the file
 };
 

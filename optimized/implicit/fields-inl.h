@@ -64,13 +64,26 @@ void planar_vector(const T* sums, T* field) {
 /// A planar field interleaved as blocks gather it: [x][y][row][z][channel].
 template <class T>
 void pack_vector(const T* field, T* gathered) {
-  constexpr int C = channels<T>, rows = force_rows<T>;
-  for (int xy = 0; xy < 16; ++xy)
-    for (int r = 0; r < rows; ++r, gathered += row_size<T>)
-      for (int c = 0; c < C; ++c)
-        for (int z = 0; z < 4; ++z)
-          gathered[z * C + c] =
-              r * C + c < 3 ? field[(r * C + c) * nodes_per_block + 4 * xy + z] : T(0);
+  constexpr int C = channels<T>;
+  const hn::CappedTag<T, 4> d;  // the nodes of a row; two vectors on 128-bit targets in double
+  constexpr int step = static_cast<int>(hn::MaxLanes(d));
+  const auto zero = hn::Zero(d);
+  for (int i = 0; i < nodes_per_block; i += 4)
+    for (int r = 0; r < force_rows<T>; ++r, gathered += row_size<T>)
+      for (int z = 0; z < 4; z += step) {
+        const auto channel = [&](int c) HWY_ATTR {
+          c += r * C;
+          return c < 3 ? hn::LoadU(d, field + c * nodes_per_block + i + z) : zero;
+        };
+        T* const to = gathered + z * C;
+        if constexpr (C == 1) {
+          hn::StoreU(channel(0), d, to);
+        } else if constexpr (C == 2) {
+          hn::StoreInterleaved2(channel(0), channel(1), d, to);
+        } else {
+          hn::StoreInterleaved4(channel(0), channel(1), channel(2), zero, d, to);
+        }
+      }
 }
 
 template <class T>

@@ -53,11 +53,7 @@ double ImplicitSystem<S>::residual() {
         const auto m = static_cast<double>(node.m[k]);
         r[i] = m > 0 ? static_cast<double>(node.v_star[a][k]) - v[i] - factor_ * Hv[i] / m : 0.0;
       }
-    if (projector(n) != nullptr) {
-      alignas(64) double P[matrix_size];
-      for (int k = 0; k < matrix_size; ++k) P[k] = static_cast<double>(projector(n)[k]);
-      field_kernels<double>().project(P, r);
-    }
+    if (held(n)) field_kernels<double>().project(exact_projector_.data() + n * matrix_size, r);
     double sum = 0;
     for (int i = 0; i < field_size; ++i)
       sum += static_cast<double>(node.m[i % nodes_per_block]) * r[i] * r[i];

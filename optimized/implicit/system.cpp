@@ -10,15 +10,19 @@ template <class S>
 void ImplicitSystem<S>::release(std::size_t node_blocks) {
   held_.require(node_blocks);
   projector_.require(node_blocks * matrix_size);
+  exact_projector_.require(node_blocks * matrix_size);
   std::fill_n(held_.data(), node_blocks, std::uint8_t(0));
 }
 
 template <class S>
 void ImplicitSystem<S>::set_free_directions(std::size_t n, int k, const Mat3& P) {
-  S* const projector = projector_.data() + n * matrix_size;
   const auto set = [&](int node, const Mat3& A) {
     const double entries[6] = {A(0, 0), A(0, 1), A(0, 2), A(1, 1), A(1, 2), A(2, 2)};
-    for (int e = 0; e < 6; ++e) projector[e * nodes_per_block + node] = static_cast<S>(entries[e]);
+    for (int e = 0; e < 6; ++e) {
+      const std::size_t i = n * matrix_size + static_cast<std::size_t>(e * nodes_per_block + node);
+      exact_projector_[i] = entries[e];
+      projector_[i] = static_cast<S>(entries[e]);
+    }
   };
   if (held_[n] == 0) {
     for (int i = 0; i < nodes_per_block; ++i) set(i, Mat3::Identity());
@@ -31,8 +35,7 @@ template <class S>
 Mat3 ImplicitSystem<S>::free_directions(std::size_t n, int k) const {
   if (!held(n)) return Mat3::Identity();
   const auto at = [&](int e) {
-    return static_cast<double>(
-        projector_[n * matrix_size + static_cast<std::size_t>(e * nodes_per_block + k)]);
+    return exact_projector_[n * matrix_size + static_cast<std::size_t>(e * nodes_per_block + k)];
   };
   Mat3 P;
   P << at(0), at(1), at(2), at(1), at(3), at(4), at(2), at(4), at(5);
@@ -156,7 +159,8 @@ const T* ImplicitSystem<S>::applied(std::size_t n, Thread& thread) const {
 template <class S>
 std::size_t ImplicitSystem<S>::bytes() const {
   std::size_t sum = chunks_.bytes() + begin_.bytes() + held_.bytes() + projector_.bytes() +
-                    v_.bytes() + residual_.bytes() + partial_.bytes() + v_star_.bytes();
+                    exact_projector_.bytes() + v_.bytes() + residual_.bytes() + partial_.bytes() +
+                    v_star_.bytes();
   for (const AlignedArray<S>* field : {&z_last_, &z_, &w_last_, &w_, &d_}) sum += field->bytes();
   for (const Thread& t : thread_) sum += t.numbers.bytes() + t.field.bytes() + t.cells.bytes();
   return sum;

@@ -105,7 +105,10 @@ class ImplicitSystem {
   AlignedArray<std::int32_t> begin_;  ///< 65 numbers for each active block
 
   AlignedArray<std::uint8_t> held_;  ///< node blocks with a node that is not free
-  AlignedArray<S> projector_;        ///< of these, [6][64] per node block
+  /// The projectors of these, [6][64] per node block. One rounded to float no longer keeps the
+  /// held directions out of the residual, where no search direction could reduce them.
+  AlignedArray<double> exact_projector_;
+  AlignedArray<S> projector_;
 
   AlignedArray<double> v_, residual_;  ///< v and v* − B v
   AlignedArray<double> partial_;

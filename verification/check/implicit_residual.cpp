@@ -59,7 +59,8 @@ Mat3 stress_differential(double mu, double lambda, const Mat3& F, const Mat3& dF
          lambda * C.cwiseProduct(dF).sum() * C + lambda * (J - 1) * cofactor_differential(F, dF);
 }
 
-/// (H u)_i = Σ_p V_p0 A_p F_Eᵀ ∇w_ip.
+}  // namespace
+
 std::vector<Vec3> hessian(const Scene& scene, const Particles& p, const Stencils& stencils,
                           const std::vector<Vec3>& u) {
   std::vector<Vec3> Hu(u.size(), Vec3::Zero());
@@ -81,8 +82,6 @@ std::vector<Vec3> hessian(const Scene& scene, const Particles& p, const Stencils
   }
   return Hu;
 }
-
-}  // namespace
 
 ImplicitResidual implicit_residual(const Scene& scene, const State& state, const BoundModel& model,
                                    const std::vector<Vec3>& v_new, double dt) {

@@ -9,6 +9,12 @@
 
 namespace firn::check {
 
+/// (H u)_i = Σ_p V_p0 A_p F_Eᵀ ∇w_ip, A_p = ∂²Ψ/∂F_E² : (Σ_j u_j (∇w_jp)ᵀ) F_E. For a
+/// velocity u at the nodes of `stencils` in m/s the result is in N/s. Written from the
+/// energy with Eigen's SVD: shares no code with any solver.
+std::vector<Vec3> hessian(const Scene& scene, const Particles& particles, const Stencils& stencils,
+                          const std::vector<Vec3>& u);
+
 struct ImplicitResidual {
   double residual = 0;        ///< ‖P(v* − v − βΔt² M⁻¹H v)‖_M, P = free directions
   double allowed = 0;         ///< tol ‖v*‖_M and the roundoff of v*, v and H

@@ -143,6 +143,99 @@ TEST(Cli, InterruptWritesTheLastGoodState) {
   EXPECT_EQ(reader.step(reader.frames() - 1).value_or(-1), reader.rows());
 }
 
+/// A lump that falls onto a floor in adaptive semi-implicit steps.
+void write_implicit_scene(const std::filesystem::path& path, double tolerance, int max_iterations,
+                          double end) {
+  std::ofstream(path) << R"(name = "hasty"
+gravity = [0.0, 0.0, -9.81]
+grid = { spacing = 0.04 }
+transfer = { flip = 0.95 }
+[time]
+max_step = 8e-3
+cfl = 0.4
+elastic_cfl = 0.5
+frames_per_second = 250
+end = )" << end << R"(
+[integrator]
+type = "semi-implicit"
+implicitness = 1.0
+tolerance = )" << tolerance
+                      << R"(
+max_iterations = )" << max_iterations
+                      << R"(
+[[material]]
+name = "snow"
+youngs_modulus = 1e6
+poisson_ratio = 0.2
+density = 400.0
+hardening = 10.0
+critical_compression = 2.5e-2
+critical_stretch = 7.5e-3
+[[body]]
+material = "snow"
+shape = { type = "sphere", center = [0.0, 0.0, 0.1], radius = 0.09 }
+particles_per_cell = 8
+sampling = "jittered"
+seed = 9
+velocity = [0.0, 0.0, -2.0]
+volumes = "estimated"
+[[collider]]
+shape = { type = "half-space", point = [0.0, 0.0, 0.007], normal = [0.0, 0.0, 1.0] }
+friction = 0.3
+)";
+}
+
+class CliRetries : public testing::TestWithParam<Words> {};
+
+/// 20 iterations do not solve a step of 50 times the explicit limit, but one of a few times.
+TEST_P(CliRetries, AStepThatDoesNotConvergeIsHalvedAndReported) {
+  const TemporaryFolder folder;
+  write_implicit_scene(folder.path() / "hasty.toml", 1e-6, 20, 0.02);
+  Words words = {"run", "hasty.toml", "-o", "a.vtkhdf", "--json"};
+  words.insert(words.end(), GetParam().begin(), GetParam().end());
+  const Outcome outcome = run_firn(words, folder.path());
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const auto json = nlohmann::json::parse(outcome.out);
+  const auto retries = json["retries"].get<std::ptrdiff_t>();
+  EXPECT_GT(retries, 0);
+  EXPECT_EQ(lines(outcome.err), retries) << outcome.err;  // each one reported
+  EXPECT_NE(outcome.err.find("not converged after 20 iterations"), std::string::npos);
+  EXPECT_NE(outcome.err.find("attempt 1 with dt"), std::string::npos);
+  const TrajectoryReader reader(folder.path() / "a.vtkhdf");
+  for (const DiagnosticsRow& row : reader.diagnostics()) {
+    EXPECT_LE(row.solver_iterations, 20);
+    EXPECT_LE(row.solver_residual, 1e-6);
+    EXPECT_EQ(row.solver_iterations > 0, row.solver_residual > 0);
+  }
+}
+
+/// One iteration never does, not even with a thousandth of the step (it reduces the residual to
+/// (cΔt/h)⁴ = 1e-8 there): ten halvings, then exit 3 with the last good state written.
+TEST_P(CliRetries, AfterTenHalvingsItGivesUp) {
+  const TemporaryFolder folder;
+  write_implicit_scene(folder.path() / "hopeless.toml", 1e-13, 1, 0.5);
+  Words words = {"run", "hopeless.toml", "-o", "a.vtkhdf", "--json"};
+  words.insert(words.end(), GetParam().begin(), GetParam().end());
+  const Outcome outcome = run_firn(words, folder.path());
+  EXPECT_EQ(outcome.status, 3) << outcome.out;
+  const auto json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["status"], "failed");
+  EXPECT_GE(json["retries"].get<int>(), 10);
+  const TrajectoryReader reader(folder.path() / "a.vtkhdf");
+  ASSERT_GE(reader.frames(), 1);
+  EXPECT_EQ(reader.step(reader.frames() - 1).value_or(-1), json["step"].get<std::int64_t>());
+  EXPECT_EQ(reader.rows(), json["step"].get<std::int64_t>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Every, CliRetries,
+                         testing::Values(Words{"--solver", "reference"},
+                                         Words{"--solver", "optimized"},
+                                         Words{"--solver", "optimized", "--precision", "float"}),
+                         [](const auto& info) {
+                           return info.param.size() > 2 ? std::string("optimized_float")
+                                                        : info.param[1];
+                         });
+
 TEST(Cli, CheckOfTheOptimizedSolverIsValid) {
   const TemporaryFolder folder;
   for (const char* precision : {"double", "float"}) {

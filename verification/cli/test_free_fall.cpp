@@ -24,7 +24,7 @@ TEST_P(FreeFall, CenterOfMassFollowsTheDiscreteParabola) {
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const Scene scene = find_scene("snowball_drop");
   const TrajectoryReader reader(folder.path() / "a.vtkhdf");
-  const std::vector<Diagnostics> rows = reader.diagnostics();
+  const std::vector<DiagnosticsRow> rows = reader.diagnostics();
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(steps));
 
   const Particles initial = reader.read_frame(0).particles;

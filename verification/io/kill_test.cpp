@@ -120,7 +120,7 @@ class Whole {
     }
   }
   std::string bytes;
-  std::vector<Diagnostics> rows;
+  std::vector<DiagnosticsRow> rows;
   std::map<std::int64_t, State> states;
   std::map<std::int64_t, std::vector<std::byte>> restarts;
 };
@@ -146,7 +146,7 @@ void judge(const std::filesystem::path& path, const std::vector<Frame>& reported
     EXPECT_EQ(reader.restart(k), whole.restarts.at(step));
     EXPECT_GE(reader.rows(), step);
   }
-  const std::vector<Diagnostics> rows = reader.diagnostics();
+  const std::vector<DiagnosticsRow> rows = reader.diagnostics();
   ASSERT_LE(rows.size(), whole.rows.size());
   for (std::size_t n = 0; n < rows.size(); ++n) {
     EXPECT_EQ(rows[n].time, whole.rows[n].time);

@@ -26,8 +26,8 @@ TrajectoryInfo some_info(Precision precision) {
   return {"somebody", precision, 3, "1.2.3", "a processor", "name = \"θ\"\n"};
 }
 
-Diagnostics some_row(int n) {
-  Diagnostics d;
+DiagnosticsRow some_row(int n) {
+  DiagnosticsRow d;
   for (std::size_t c = 0; c < diagnostics_columns.size(); ++c) {
     const double x = 10.0 * n + static_cast<double>(c);
     const double values[3] = {diagnostics_columns[c].integer ? x : x / 7, x / 11, -x / 13};
@@ -79,10 +79,10 @@ void expect_trajectory(const std::filesystem::path& path, int count, int particl
         << "frame " << k;
     EXPECT_EQ(reader.restart(k), some_bytes(restart_size, k));
   }
-  const std::vector<Diagnostics> rows = reader.diagnostics();
+  const std::vector<DiagnosticsRow> rows = reader.diagnostics();
   ASSERT_EQ(rows.size(), static_cast<std::size_t>(count == 0 ? 0 : 2 * (count - 1)));
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const Diagnostics expected = some_row(static_cast<int>(r));
+    const DiagnosticsRow expected = some_row(static_cast<int>(r));
     EXPECT_EQ(rows[r].time, expected.time);
     EXPECT_EQ(rows[r].momentum, expected.momentum);
     EXPECT_EQ(rows[r].angular_momentum, expected.angular_momentum);
@@ -90,6 +90,7 @@ void expect_trajectory(const std::filesystem::path& path, int count, int particl
     EXPECT_EQ(rows[r].max_J_E, expected.max_J_E);
     EXPECT_EQ(rows[r].grid_nodes, expected.grid_nodes);
     EXPECT_EQ(rows[r].solver_iterations, expected.solver_iterations);
+    EXPECT_EQ(rows[r].solver_residual, expected.solver_residual);
   }
 }
 

@@ -21,10 +21,18 @@ State run(const Scene& scene, Precision precision, int threads) {
   return state;
 }
 
+/// The same in steps of several times the explicit limit.
+Scene implicit(Scene scene) {
+  scene.integrator = {IntegratorType::semi_implicit, 0.9, 1e-6, 1000};
+  scene.time.step *= 4;
+  return scene;
+}
+
 class Determinism : public testing::TestWithParam<Precision> {};
 
 TEST_P(Determinism, ThreadsDoNotMatter) {
-  for (const Scene& scene : {collision_of_everything(), periodic_snow(false)}) {
+  for (const Scene& scene : {collision_of_everything(), periodic_snow(false),
+                             implicit(collision_of_everything()), implicit(periodic_snow(false))}) {
     const State one = run(scene, GetParam(), 1);
     for (const int threads : {2, 3, 8})
       EXPECT_TRUE(same_bits(one, run(scene, GetParam(), threads))) << threads << " threads";
@@ -32,7 +40,8 @@ TEST_P(Determinism, ThreadsDoNotMatter) {
 }
 
 TEST_P(Determinism, StepEqualsItsStages) {
-  for (const Scene& scene : {collision_of_everything(), periodic_snow(true)}) {
+  for (const Scene& scene : {collision_of_everything(), periodic_snow(true),
+                             implicit(collision_of_everything()), implicit(periodic_snow(false))}) {
     const State whole = run(scene, GetParam(), 2);
     const auto solver = optimized(GetParam(), 1);
     State state = initial_state(scene);
@@ -46,7 +55,8 @@ TEST_P(Determinism, StepEqualsItsStages) {
 
 /// Stop after step 11 (between two sorts of most blocks), go on from what was stored.
 TEST_P(Determinism, InterruptionDoesNotMatter) {
-  for (const Scene& scene : {collision_of_everything(), periodic_snow(false)}) {
+  for (const Scene& scene : {collision_of_everything(), periodic_snow(false),
+                             implicit(collision_of_everything()), implicit(periodic_snow(false))}) {
     const State whole = run(scene, GetParam(), 1);
     const auto first = optimized(GetParam());
     State state = initial_state(scene);
