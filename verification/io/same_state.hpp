@@ -10,7 +10,9 @@ namespace firn::testing {
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+  if (a.size() != b.size()) return false;
+  // memcmp does not allow the null pointer of an empty vector, even for no bytes.
+  return a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
 }
 
 inline ::testing::AssertionResult same_particles(const Particles& a, const Particles& b) {
