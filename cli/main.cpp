@@ -5,14 +5,17 @@
 #include <CLI/Formatter.hpp>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
+#include <unistd.h>
 
 #include "cli/builtin_solvers.hpp"
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
+#include "io/hdf5_reading.hpp"
 
 namespace {
 
@@ -22,6 +25,36 @@ firn::cli::Context* signal_context = nullptr;
 extern "C" void on_signal(int signal) {
   signal_context->stop.store(true);
   std::signal(signal, SIG_DFL);
+}
+
+void write_text(const char* text) {
+  if (write(STDERR_FILENO, text, std::strlen(text)) < 0) _exit(firn::cli::exit_bad_input);
+}
+
+/// A crash inside HDF5 is the file's: one line, exit 2. Any other is our own.
+extern "C" void on_crash(int signal) {
+  if (const char* file = firn::hdf5::file_being_read()) {
+    write_text("firn: ");
+    write_text(file);
+    write_text(": is damaged: HDF5 crashes on it\n");
+    _exit(firn::cli::exit_bad_input);
+  }
+  std::signal(signal, SIG_DFL);
+  raise(signal);
+}
+
+/// On a stack of its own, for the crash may be that the stack has no room left.
+void handle_crashes() {
+  static char stack[1 << 16];
+  stack_t other = {};
+  other.ss_sp = stack;
+  other.ss_size = sizeof stack;
+  sigaltstack(&other, nullptr);
+  struct sigaction action = {};
+  action.sa_handler = on_crash;
+  action.sa_flags = SA_ONSTACK | SA_NODEFER;
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT})
+    sigaction(signal, &action, nullptr);
 }
 
 /// One line, whatever the text.
@@ -87,6 +120,7 @@ int main(int argc, char** argv) {
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   std::signal(SIGPIPE, SIG_DFL);
+  handle_crashes();
   try {
     firn::cli::register_builtin_solvers(context.registry);
     return run_program(argc, argv, context);

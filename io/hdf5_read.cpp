@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "firn/error.hpp"
+#include "io/hdf5_reading.hpp"
 
 namespace firn::hdf5 {
 
@@ -13,6 +14,12 @@ namespace {
 herr_t refuse_external_link(const char*, const char*, const char*, const char*, unsigned*, hid_t,
                             void*) {
   return -1;
+}
+
+/// Closing reads, too: what is left of the file's structure.
+herr_t close_file(hid_t file) {
+  const Reading reading;
+  return H5Fclose(file);
 }
 
 std::string describe(const std::vector<hsize_t>& dimensions) {
@@ -39,14 +46,16 @@ InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
     throw InputError(path.string() + ": cannot be opened: is a directory");
   file_bytes_ = static_cast<double>(std::filesystem::file_size(path, error));
   if (error) throw InputError(path.string() + ": cannot be opened: " + error.message());
+  const Reading reading(path);
   const Id access = file_access();
-  file_ = Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+  file_ = Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), close_file);
   if (!file_) throw InputError(path.string() + ": is not a readable HDF5 file: " + last_error());
   links_ = Id(H5Pcreate(H5P_LINK_ACCESS), H5Pclose);
   H5Pset_elink_cb(links_.get(), refuse_external_link, nullptr);
 }
 
 bool InputFile::has(const std::string& name) const {
+  const Reading reading(path_);
   // Every part of the path is looked up in turn, as H5Lexists demands.
   for (std::size_t end = name.find('/', 1); true; end = name.find('/', end + 1)) {
     if (H5Lexists(file_.get(), name.substr(0, end).c_str(), links_.get()) <= 0) return false;
@@ -70,6 +79,7 @@ void InputFile::require_honest_size(const InputDataset& dataset, double bytes) c
 }
 
 InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t components) const {
+  const Reading reading(path_);
   InputDataset dataset;
   dataset.where_ = where(path);
   if (!has(path))
@@ -116,6 +126,7 @@ void InputDataset::read_as(hid_t memory_type, std::int64_t first, std::int64_t r
                      std::to_string(first) + " … " + std::to_string(first + rows - 1),
                      "0 … " + std::to_string(rows_ - 1));
   if (rows == 0) return;
+  const Reading reading;
   Id space(H5Dget_space(id_.get()), H5Sclose);
   hsize_t dimensions[H5S_MAX_RANK] = {};
   const int rank = H5Sget_simple_extent_dims(space.get(), dimensions, nullptr);
@@ -158,6 +169,7 @@ std::vector<std::int64_t> InputFile::integers(const std::string& path, std::int6
 
 Id InputFile::attribute(const std::string& object, const char* attribute_name,
                         H5T_class_t type_class) const {
+  const Reading reading(path_);
   const std::string at = where(object) + ": attribute " + attribute_name;
   if (!has(object)) throw InputError(where(object) + ": missing group");
   if (H5Aexists_by_name(file_.get(), object.c_str(), attribute_name, links_.get()) <= 0)
@@ -173,6 +185,7 @@ Id InputFile::attribute(const std::string& object, const char* attribute_name,
 
 std::vector<std::int64_t> InputFile::integer_list_attribute(const std::string& object,
                                                             const char* attribute_name) const {
+  const Reading reading(path_);
   const Id id = attribute(object, attribute_name, H5T_INTEGER);
   Id space(H5Aget_space(id.get()), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space.get());
@@ -193,6 +206,7 @@ std::int64_t InputFile::integer_attribute(const std::string& object,
 
 std::string InputFile::text_attribute(const std::string& object, const char* attribute_name) const {
   const std::string at = where(object) + ": attribute " + attribute_name;
+  const Reading reading(path_);
   const Id id = attribute(object, attribute_name, H5T_STRING);
   Id space(H5Aget_space(id.get()), H5Sclose);
   if (H5Sget_simple_extent_npoints(space.get()) != 1)

@@ -1,6 +1,7 @@
 /// Verbs, exit statuses and messages of the program.
 
 #include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -262,6 +263,31 @@ TEST(Cli, ACommandThatHangsIsEnded) {
                                    folder.path());
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_NE(outcome.out.find("within 1 s"), std::string::npos) << outcome.out;
+}
+
+/// HDF5 crashes on some damaged files. That is the file's fault, and is said so; what a
+/// guest wrote is read in a process of its own.
+TEST(Cli, ACrashInsideHdf5IsTheFiles) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(
+      run_firn({"run", "tiny_impact", "--steps", "0", "-o", "a.vtkhdf"}, folder.path()).status, 0);
+  setenv("LD_PRELOAD", FIRN_CRASH_IN_HDF5, 1);
+  const Outcome compare = run_firn({"compare", "a.vtkhdf", "a.vtkhdf"}, folder.path());
+  const Outcome resume =
+      run_firn({"run", "tiny_impact", "--resume", "a.vtkhdf", "--steps", "2"}, folder.path());
+  const Outcome guest =
+      run_firn({"check", "two_particles", "--solver", "exec:sh -c 'cp $0 $1' {in} {out} {steps}"},
+               folder.path());
+  unsetenv("LD_PRELOAD");
+  for (const Outcome& outcome : {compare, resume}) {
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.err, "firn: a.vtkhdf: is damaged: HDF5 crashes on it\n");
+  }
+  EXPECT_EQ(guest.status, 1) << guest.err;
+  EXPECT_NE(guest.out.find("wrote a file on which HDF5 fails: its reader ended: killed by signal"),
+            std::string::npos)
+      << guest.out;
 }
 
 }  // namespace

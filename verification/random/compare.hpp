@@ -14,9 +14,10 @@ enum class Agreement {
   valid,
   invalid,
   reference_failed,  ///< the reference cannot take these steps: nothing to compare
-  /// The hardening e^{ξ(1−J_P)} is beyond float, J_P < −7.8 at ξ = 10, as scenes that
-  /// explode reach it: a solver in float says so and stops, and that is right.
-  beyond_float,
+  /// The solver says that numbers leave its range, and stops: the hardening e^{ξ(1−J_P)} is
+  /// beyond float (J_P < −7.8 at ξ = 10), or a particle moves more than the 4 cells in one
+  /// step that the optimized solver allows. Scenes that explode get there.
+  out_of_range,
 };
 
 struct Comparison {

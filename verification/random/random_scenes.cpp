@@ -82,7 +82,7 @@ class Comparisons {
     tally_.numbers += result.compared;
     tally_.largest_in_bounds = std::max(tally_.largest_in_bounds, result.largest_in_bounds);
     if (result.agreement == Agreement::reference_failed) ++tally_.stopped;
-    if (result.agreement == Agreement::beyond_float) ++tally_.stopped;
+    if (result.agreement == Agreement::out_of_range) ++tally_.stopped;
     if (result.agreement != Agreement::invalid) return;
     ++tally_.invalid;
     fmt::print(stderr, "seed {}, {}: {}\n", seed, precision, result.message);

@@ -1,5 +1,6 @@
 // docs/bad_input.md is the list of cases: each is run, and must end in an
-// InputError of exactly the message that stands there. FIRN_UPDATE_DOCS=1 writes
+// InputError of exactly the message that stands there, and then through the program:
+// exit status 2, that one line, nothing written. FIRN_UPDATE_DOCS=1 writes
 // the messages anew; whoever does that reads the difference.
 
 #include <cstdlib>
@@ -14,6 +15,7 @@
 #include "io/mesh/mesh_shape.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory_writer.hpp"
+#include "verification/cli/program.hpp"
 #include "verification/scene/fresh_folder.hpp"
 
 namespace firn {
@@ -99,6 +101,29 @@ std::string message_of(const std::function<void()>& read) {
   return {};
 }
 
+/// Everything below `folder`, with sizes.
+std::map<std::string, std::uintmax_t> contents(const std::filesystem::path& folder) {
+  std::map<std::string, std::uintmax_t> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder))
+    files[entry.path().string()] = entry.is_regular_file() ? entry.file_size() : 0;
+  return files;
+}
+
+/// The program says the same, and nothing but that: `firn run` and `firn check` in turn.
+void expect_from_program(const std::filesystem::path& folder, const std::vector<std::string>& scene,
+                         const std::string& message) {
+  const auto before = contents(folder);
+  static bool check = false;
+  check = !check;
+  std::vector<std::string> words = {check ? "check" : "run"};
+  words.insert(words.end(), scene.begin(), scene.end());
+  const test::Outcome outcome = test::run_firn(words, folder);
+  EXPECT_EQ(outcome.status, 2) << words[0];
+  EXPECT_EQ(outcome.out, "") << words[0];
+  EXPECT_EQ(outcome.err, "firn: " + message + "\n") << words[0];
+  EXPECT_EQ(contents(folder), before) << "something was written";
+}
+
 /// The scene in the document's code block.
 std::string good_scene() {
   std::string scene;
@@ -117,6 +142,7 @@ TEST(BadInput, TheSceneOfTheDocumentIsGood) {
 
 TEST(BadInput, Scenes) {
   const std::string good = good_scene();
+  const test::TemporaryFolder folder;
   const int cases = check_table("## Scenes", [&](const std::vector<std::string>& row) {
     const std::string from = unescaped(row.at(0)), to = unescaped(row.at(1));
     const std::size_t at = good.find(from);
@@ -125,6 +151,8 @@ TEST(BadInput, Scenes) {
     std::string bad = good;
     bad.replace(at, from.size(), to);
     const std::string message = message_of([&] { parse_scene(bad, "scene.toml", {}); });
+    std::ofstream(folder.path() / "scene.toml", std::ios::binary) << bad;
+    expect_from_program(folder.path(), {"scene.toml"}, message);
     EXPECT_EQ(message.rfind("scene.toml:", 0), 0u) << "file:line first";
     EXPECT_NE(message.find(": got "), std::string::npos);
     EXPECT_NE(message.find(", allowed: "), std::string::npos);
@@ -158,28 +186,35 @@ void write_trajectory(const std::string& name, int frames) {
   writer.finish();
 }
 
+/// What is read, as a user names it; with `text`, that is what scene.toml holds.
+struct Case {
+  std::string scene = "scene.toml";
+  std::string text = {};
+  double scale = 1;
+
+  Scene read(const std::filesystem::path& folder) const {
+    SceneOptions options;
+    options.scale = scale;
+    return text.empty() ? find_scene(scene, options) : parse_scene(text, scene, folder, options);
+  }
+};
+
 /// Bodies of particles, from files good and bad.
-std::map<std::string, std::function<void()>> particle_cases(const std::filesystem::path& folder) {
+std::map<std::string, Case> particle_cases(const std::filesystem::path& folder) {
   write("text.vtkhdf", "no HDF5\n");
   write_trajectory("good.vtkhdf", 1);
   std::filesystem::copy_file("good.vtkhdf", "cut.vtkhdf",
                              std::filesystem::copy_options::overwrite_existing);
   std::filesystem::resize_file("cut.vtkhdf", std::filesystem::file_size("good.vtkhdf") / 2);
 
-  const auto read = [folder](const std::string& file, const std::string& more = "",
-                             double scale = 1) {
-    return [=] {
-      const std::string scene = good_scene();
-      const std::size_t shape = scene.find("shape = {"), end = scene.find("[[collider]]");
-      std::string bad = scene;
-      bad.replace(shape, end - shape,
-                  "shape = { type = \"particles\", file = \"" + file + "\" }\n" + more);
-      SceneOptions options;
-      options.scale = scale;
-      parse_scene(bad, "scene.toml", folder, options);
-    };
+  const auto read = [](const std::string& file, const std::string& more = "", double scale = 1) {
+    std::string bad = good_scene();
+    const std::size_t shape = bad.find("shape = {"), end = bad.find("[[collider]]");
+    bad.replace(shape, end - shape,
+                "shape = { type = \"particles\", file = \"" + file + "\" }\n" + more);
+    return Case{"scene.toml", bad, scale};
   };
-  EXPECT_NO_THROW(read("good.vtkhdf")()) << "or the cases below prove nothing";
+  EXPECT_NO_THROW(read("good.vtkhdf").read(folder)) << "or the cases below prove nothing";
   return {
       {"a body of particles, file not there", read("missing.vtkhdf")},
       {"a body of particles, a directory", read("folder.toml")},
@@ -194,7 +229,7 @@ std::map<std::string, std::function<void()>> particle_cases(const std::filesyste
 }
 
 /// Colliders and bodies from mesh and level-set files.
-std::map<std::string, std::function<void()>> mesh_cases(const std::filesystem::path& folder) {
+std::map<std::string, Case> mesh_cases(const std::filesystem::path& folder) {
   // A tetrahedron, of which `faces` triangles are there.
   const auto tetrahedron = [](int faces) {
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
@@ -208,16 +243,14 @@ std::map<std::string, std::function<void()>> mesh_cases(const std::filesystem::p
   write("wrong.obj", tetrahedron(3) + "f 3 1 5\n");
   write("text.vdb", "no OpenVDB\n");
 
-  const auto shape = [folder](const std::string& shape, const char* section = "[[collider]]") {
-    return [=] {
-      std::string bad = good_scene();
-      const std::size_t begin = bad.find("shape = {", bad.find(section));
-      bad.replace(begin, bad.find('\n', begin) - begin, "shape = { " + shape + " }");
-      parse_scene(bad, "scene.toml", folder, {});
-    };
+  const auto shape = [](const std::string& shape, const char* section = "[[collider]]") {
+    std::string bad = good_scene();
+    const std::size_t begin = bad.find("shape = {", bad.find(section));
+    bad.replace(begin, bad.find('\n', begin) - begin, "shape = { " + shape + " }");
+    return Case{"scene.toml", bad};
   };
   if (has_openvdb()) {
-    EXPECT_NO_THROW(shape("type = \"mesh\", file = \"closed.obj\"")())
+    EXPECT_NO_THROW(shape("type = \"mesh\", file = \"closed.obj\"").read(folder))
         << "or the cases below prove nothing";
   }
   return {
@@ -244,22 +277,25 @@ TEST(BadInput, Files) {
   write("nested.toml", "a = " + repeated("[", 300));
   write("deep.toml", repeated("a.", 69) + "a = 1");
 
-  std::map<std::string, std::function<void()>> cases = {
-      {"a file that is not there", [] { find_scene("missing.toml"); }},
-      {"a directory", [] { find_scene("folder.toml"); }},
-      {"an empty file", [] { find_scene("empty.toml"); }},
-      {"a trajectory in place of a scene", [] { find_scene("trajectory.toml"); }},
-      {"17 MiB of blanks", [] { find_scene("blank.toml"); }},
-      {"arrays nested 300 deep", [] { find_scene("nested.toml"); }},
-      {"a key of 70 parts", [] { find_scene("deep.toml"); }},
-      {"a name close to a built-in scene", [] { find_scene("snowball_dorp"); }},
-      {"a name like none", [] { find_scene("quicksilver"); }},
+  std::map<std::string, Case> cases = {
+      {"a file that is not there", {"missing.toml"}},
+      {"a directory", {"folder.toml"}},
+      {"an empty file", {"empty.toml"}},
+      {"a trajectory in place of a scene", {"trajectory.toml"}},
+      {"17 MiB of blanks", {"blank.toml"}},
+      {"arrays nested 300 deep", {"nested.toml"}},
+      {"a key of 70 parts", {"deep.toml"}},
+      {"a name close to a built-in scene", {"snowball_dorp"}},
+      {"a name like none", {"quicksilver"}},
   };
-  for (const auto& [name, read] : particle_cases(folder)) cases[name] = read;
-  for (const auto& [name, read] : mesh_cases(folder)) cases[name] = read;
+  cases.merge(particle_cases(folder));
+  cases.merge(mesh_cases(folder));
   const int checked = check_table("## Files", [&](const std::vector<std::string>& row) {
-    const std::string message = message_of(cases.at(row.at(0)));
     if (row.at(0) == "a level set, text" && !has_openvdb()) return row.back();
+    const Case& bad = cases.at(row.at(0));
+    const std::string message = message_of([&] { bad.read(folder); });
+    if (!bad.text.empty()) write("scene.toml", bad.text);
+    expect_from_program(folder, {bad.scene, "--scale", to_text(bad.scale)}, message);
     return without(message, folder.string() + "/");
   });
   EXPECT_EQ(checked, static_cast<int>(cases.size()));

@@ -1,0 +1,23 @@
+#pragma once
+/// HDF5 1.10 itself crashes on some damaged files: it believes lengths that they state.
+/// Nothing can be checked beforehand that would not be HDF5 over again; but a program can
+/// say which file it was.
+
+#include <filesystem>
+
+namespace firn::hdf5 {
+
+/// Lives around every call that reads a file.
+class Reading {
+ public:
+  Reading() noexcept;
+  explicit Reading(const std::filesystem::path& path) noexcept;
+  ~Reading();
+  Reading(const Reading&) = delete;
+  Reading& operator=(const Reading&) = delete;
+};
+
+/// The file that HDF5 is reading at this moment, or null. Safe in a handler of signals.
+const char* file_being_read() noexcept;
+
+}  // namespace firn::hdf5
