@@ -49,7 +49,7 @@ def facts(results):
     if results.cases:
         found.append(("cases quoted, of all that were measured", f"{quoted} of {len(results.cases)}"))
     if (noise := tables.noise(results)) is not None:
-        found.append(("noise: spread of a fixed loop between the cases", f"{number(100 * noise, 2)} %"))
+        found.append(("noise: spread of a fixed loop between the cases", f"{100 * noise:.2g} %" if noise < 1 else f"{100 * noise:.0f} %"))
     return found
 
 

@@ -35,7 +35,7 @@ def bars(rows, xlabel, log=False, zero=False, marks=()):
         colour = BAD if zero and value < 0 else SERIES[0]
         axes.barh(y, value, height=0.62, color=colour, alpha=0.85)
         axes.plot([low, high], [y, y], color=INK, linewidth=1.2)
-        axes.annotate(plain(value), (max(value, high, 0), y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
+        axes.annotate(plain(float(f"{value:.3g}")), (max(value, high, 0), y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
     for x in marks:
         axes.axvline(x, color=MUTED, linewidth=1, linestyle="--")
     axes.set_yticks(range(len(rows)), [row[0] for row in rows])

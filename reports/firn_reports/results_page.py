@@ -115,8 +115,12 @@ def tiles(results, old, changes):
     noise = tables.noise(results)
     if noise is not None:
         noisy = sum(c.status == "noisy" for c in results.cases)
-        result.append(Tile("Noise", f"{number(100 * noise, 2)} %", f"of the fixed loop; {noisy} of {len(results.cases)} cases too noisy to quote", "warn" if noisy else "", "noise"))
+        result.append(Tile("Noise", f"{100 * noise:.2g} %" if noise < 1 else f"{100 * noise:.0f} %", f"of the fixed loop; {noisy} of {len(results.cases)} cases too noisy to quote", "warn" if noisy else "", "noise"))
     return result
+
+
+def shortened(text, most=130):
+    return text if len(text) <= most else text[:most].rsplit(" ", 1)[0] + " …"
 
 
 def look_at(results, changes, broken):
@@ -136,7 +140,7 @@ def look_at(results, changes, broken):
     for change in sorted((c for c in changes if c.kind == "worse"), key=lambda c: -c.ratio)[:3]:
         found.append((f"{change.case.suite}/{change.case.name}: {change.quantity} is {number(100 * (change.ratio - 1), 3)} % worse", "baseline"))
     for case in [c for c in results.cases if c.status in ("invalid", "failed")][:3]:
-        found.append((f"{case.suite}/{case.name}: {case.status}: {case.message}", "facts"))
+        found.append((shortened(f"{case.suite}/{case.name}: {case.status}: {case.message}"), "facts"))
     scaling = tables.worst_scaling(results)
     if scaling and scaling[0] < 1.8:
         found.append((f"Two threads bring {number(scaling[0], 3)}× at worst ({scaling[1]})", "speed"))

@@ -94,7 +94,7 @@ def test_the_verdict_needs_every_check_and_every_case(folder):
 
 def test_orders_and_pareto_front(plain):
     order, where = accuracy.best_order(results.read(plain.path)) or (None, "")
-    assert order == pytest.approx(2.0) and "32 to 64" in where and "reference" in where
+    assert order == pytest.approx(2.0) and "16 to 64" in where and "reference" in where
     assert accuracy.pareto([(1, 5), (2, 6), (3, 1), (0.5, 9), (4, 1)]) == [3, 0, 2]
 
 
