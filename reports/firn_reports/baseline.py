@@ -35,6 +35,16 @@ def machine_ratio(new, old):
     return float(np.median(loops[0]) / np.median(loops[1])) if all(len(x) and np.median(x) > 0 for x in loops) else 1.0
 
 
+# Units of what a slower machine changes; a ratio or a number of bytes does not know it.
+CLOCKED = ("ns", "s", "flop/s", "B/s", "particle-steps/s")
+
+
+def machine_change(case, before):
+    """By how much the fixed loop around the two measurements of a case differed, as a share."""
+    loops = [np.median(c.calibration) if len(c.calibration) else np.nan for c in (case, before)]
+    return abs(float(loops[0] / loops[1]) - 1) if np.all(np.isfinite(loops)) and min(loops) > 0 else 0.0
+
+
 def compare(new, old, threshold=THRESHOLD):
     """One Change for every quantity with a direction that both files quote."""
     changes = []
@@ -46,6 +56,8 @@ def compare(new, old, threshold=THRESHOLD):
             reference = before.quantities.get(name)
             if name == "rate" and "time" in case.quantities:
                 continue  # the same repetitions, upside down
+            if name != "speedup" and "speedup" in case.quantities:
+                continue  # what was interleaved is judged by its ratio alone
             if reference is None or quantity.better == "neither" or not len(quantity.values) or not len(reference.values):
                 continue
             if quantity.median <= 0 or reference.median <= 0:
@@ -55,6 +67,8 @@ def compare(new, old, threshold=THRESHOLD):
                 ratio = 1 / ratio
             # 3 standard errors: one case in 400 by chance.
             noise = 3 * np.hypot(median_error(quantity.values), median_error(reference.values))
+            if quantity.units in CLOCKED:
+                noise += machine_change(case, before)
             limit = 1 + max(threshold, noise)
             if not (case.quotable and before.quotable):
                 kind = "drowned"

@@ -159,7 +159,7 @@ def look_at(results, changes, broken):
 def baseline_section(results, old, changes, broken, threshold):
     section = Section("baseline", "Against the baseline",
                       f"Compared with {old.path.name}, commit {old.sessions[0].get('git_commit', '?') if old.sessions else '?'}. Worse means: beyond {number(100 * threshold, 2)} % "
-                      f"and beyond three standard errors of both medians. The machine's fixed loop took {number(comparison.machine_ratio(results, old), 3)} times as long as then.")
+                      f"and beyond three standard errors of both medians; for times also beyond what the fixed loop changed by around that case. The machine's fixed loop took {number(comparison.machine_ratio(results, old), 3)} times as long as then.")
     section.figures = figures.changes(changes)
     section.tables = tables.changes(changes, broken)
     return section

@@ -105,7 +105,7 @@ def changes(changes, broken):
     rows = [[c.suite, c.name, "", None, None, "", None, None, mark(c.status), Code(c.command)] for c in broken] + rows
     moved = [row for row in rows if str(row[8]) not in ("same", "drowned")]
     made = [Table("baseline_moved", "What moved", columns, moved, open=True)] if moved else []
-    return made + [Table("baseline", "Every comparison", columns, rows, "drowned: one of the two is too noisy to quote. ± : three standard errors of both medians.")]
+    return made + [Table("baseline", "Every comparison", columns, rows, "drowned: one of the two is too noisy to quote. ± : three standard errors of both medians, for times with the change of the fixed loop around the case.")]
 
 
 def verification(results):

@@ -61,6 +61,16 @@ def test_noise_hides_a_change_that_it_could_have_made(folder, plain):
     assert change.uncertainty == pytest.approx(3 * 1.25 * 0.6 / 1.35 / 3, rel=0.02) and change.kind == "same"
 
 
+def test_a_slow_minute_of_the_machine_is_not_the_solver_s_fault(folder, plain):
+    path = synthetic.write_results(folder / "minute.h5", slow={PLASTIC: 1.3})
+    with h5py.File(path, "a") as file:
+        file[f"cases/steps/{PLASTIC}/calibration"][...] *= 1.4
+    changes = {(c.case.suite, c.case.name, c.quantity): c for c in baseline.compare(results.read(path), plain)}
+    assert changes["steps", PLASTIC, "time"].kind == "same"
+    # A ratio of interleaved runs has no such excuse, and stands for its case alone.
+    assert changes["speedup", PLASTIC, "speedup"].kind == "worse" and ("speedup", PLASTIC, "time") not in changes
+
+
 @pytest.mark.parametrize("factor, exit_status", [(1.3, 1), (1.0, 0), (0.7, 0)])
 def test_exit_status_against_a_baseline(folder, tmp_path, plain, capsys, factor, exit_status):
     new = synthetic.write_results(folder / "exit.h5", slow={PLASTIC: factor})
