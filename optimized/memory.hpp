@@ -45,9 +45,12 @@ class AlignedArray {
  public:
   /// At least n elements. Grows by half more than asked, so that a slowly growing
   /// need allocates rarely.
-  void require(std::size_t n) {
+  void require(std::size_t n) { require(n, n / 2); }
+
+  /// The same with room for `spare` more where it has to grow.
+  void require(std::size_t n, std::size_t spare) {
     if (n <= size_) return;
-    size_ = n + n / 2;
+    size_ = n + spare;
     data_.reset();
     data_ = allocate_aligned<T>(size_);
   }

@@ -81,7 +81,8 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
     const auto count = static_cast<std::size_t>(particles_->block(active[a]).count);
     first_[a + 1] = first_[a] + (count + lanes - 1) / lanes * lanes * hessian_slots;
   }
-  chunks_.require(first_.back());
+  // Only the lanes left over in each block's last chunk vary: half of it in spare would be waste.
+  chunks_.require(first_.back(), first_.back() / 16);
   begin_.require(active.size() * (nodes_per_block + 1));
   const SetupKernels<S>& kernels = setup_kernels<S>();
   const int n = static_cast<int>(active.size());

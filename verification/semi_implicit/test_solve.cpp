@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "firn/error.hpp"
+#include "verification/cases/snow.hpp"
+#include "verification/check/check.hpp"
 #include "verification/semi_implicit/systems.hpp"
 
 namespace firn::test {
@@ -226,6 +228,20 @@ TEST_P(Solve, LightNodesTakePart) {
   EXPECT_LT(lightest, 1e-15 * heaviest);
   EXPECT_LE(s.report.solver_residual, 1e-8);
   for (const Vec3& v : s.after.grid.v_new) EXPECT_TRUE(v.allFinite());
+}
+
+/// Particles on nodes and faces, coincident, alone; F_E inverted, singular, crushed: stage by
+/// stage against the reference, in steps that are large for the hardest of them.
+TEST_P(Solve, CheckIsValidOnAwkwardSnow) {
+  if (GetParam().name == "reference") GTEST_SKIP() << "the reference against itself";
+  for (cases::Case snow : {cases::implicit_lump(), cases::awkward_lump()}) {
+    snow.scene.integrator = {IntegratorType::semi_implicit, 0.8, 1e-7, 20000};
+    const auto reference = Subject{"reference", Precision::float64}.create();
+    const auto solver = GetParam().create();
+    const CheckReport report =
+        run_check(snow.scene, snow.state, *reference, *solver, {.steps = snow.steps});
+    EXPECT_TRUE(report.valid()) << snow.name << to_table(report);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, Solve, testing::ValuesIn(subjects()),
