@@ -64,7 +64,7 @@ std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::strin
   verb.add_option("--solver", option->name,
                   "a name that `firn solvers` prints, ./LIBRARY.so, \"exec:COMMAND {in} {out} "
                   "{steps}\", or "
-                  "mutant:NAME, a wrong solver on purpose")
+                  "mutant:NAME, a wrong solver on purpose, or exercise:NUMBER of a lesson")
       ->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,

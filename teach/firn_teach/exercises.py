@@ -66,7 +66,7 @@ def bugs(lesson):
     result = []
     for number, exercise in enumerate(lesson.data["exercises"], 1):
         question, hint, answer = BUGS[exercise["mutant"]]
-        result.append({"command": check_command(number, exercise["scene"]), "question": question, "hint": hint, "answer": answer,
+        result.append({"command": check_command(number, exercise["scene"]), "verify": f"firn verify --solver exercise:{number} --fail-fast", "question": question, "hint": hint, "answer": answer,
                        **exercise, "page": f"{STAGES.index(exercise['stage']) + 1:02d}_{exercise['stage']}.html"})
     return result
 
@@ -107,7 +107,7 @@ PARAMETERS = [
      "answer": "Higher. Without hardening compressed snow goes on yielding at the same stress and the ball spreads on the ground like dough. With ξ = 20 the compressed part becomes hard quickly; it stops compressing and bounces."},
     {"id": "theta-c", "title": "θ<sub>c</sub>, critical compression", "name": "θ_c", "values": ["1e-2", "2.5e-2", "5e-2", "1e-1"],
      "command": lambda a: simple("critical_compression", a), "columns": [KINETIC, ELASTIC, SPEED],
-     "question": "At which θ<sub>c</sub> does the ball dissipate most of its 30 J, and at which does it rebound and burst?",
+     "question": "At which θ<sub>c</sub> does the ball dissipate most of its 31 J, and at which does it rebound and burst?",
      "hint": "Elastic energy comes back, plastic work does not. How much elastic energy can a particle hold before it yields?",
      "answer": "With θ<sub>c</sub> = 0.01 the snow yields at once: it packs and keeps hardly any motion. The energy that a particle can store grows with the square of θ<sub>c</sub>; at 0.1 so much comes back that the ball bursts."},
     {"id": "theta-s", "title": "θ<sub>s</sub>, critical stretch", "name": "θ_s", "values": ["1e-3", "7.5e-3", "2e-2", "5e-2"],
@@ -118,7 +118,7 @@ PARAMETERS = [
     {"id": "dt", "title": "Δt, explicit", "name": "Δt [s]", "values": ["2e-4", "1e-3", "2e-3", "3e-3"],
      "command": lambda a: simple("step", a), "columns": [STATUS, KINETIC, ELASTIC, SPEED],
      "question": "The sound of this snow crosses a cell in about 2 ms. At which Δt does the run end badly, and how does it look just below?",
-     "hint": "Kinetic plus elastic energy starts at 30 J and can only decrease, apart from some 3 J of falling.",
+     "hint": "Kinetic plus elastic energy starts at 31 J and can only decrease, apart from some 3 J of falling.",
      "answer": "At 3 ms energy grows without bounds and the run is stopped; the table shows the last good state. At 2 ms it runs to the end, and yet its energy is twice that of the scene's own step: a run that does not explode need not be right. Hardened snow is stiffer, so the limit becomes shorter as the run goes."},
     {"id": "beta", "title": "β, implicitness", "name": "β", "values": ["0.0", "0.25", "0.5", "1.0"],
      "command": semi_implicit, "columns": [STATUS, KINETIC, HEIGHT, ITERATIONS],

@@ -80,9 +80,33 @@ def number_rows(lesson, stage, of_node):
         before = [("", None)] * len(after)
         if record.has(stage - 1, name):
             before = components(getattr(record.at(stage - 1), name)[index])
-        label = {"v_i_star": "v_i*", "v_i_new": "v_i at n+1", "V_p0": "V_p0 (0: not known yet)"}.get(name, name)
+        label = (LABELS | {"V_p0": "V_p0 (0: not known yet)"}).get(name, name)
         rows.append({"field": name, "label": label, "units": lesson_file.UNITS[name],
                      "components": [(c, "–" if b is None else repr(float(b)), repr(float(a))) for (c, a), (_, b) in zip(after, before)]})
+    return rows
+
+
+# What each stage reads besides what it changes: of the particle, of the node.
+READS = {1: (["m_p", "x_p", "v_p"], []), 2: (["m_p", "x_p"], ["m_i"]), 3: (["V_p0", "F_E", "F_P"], ["m_i"]), 4: ([], ["m_i", "v_i", "f_i"]),
+         5: ([], ["m_i"]), 6: (["F_E", "F_P"], ["v_i_star"]), 7: (["x_p"], ["v_i_new"]), 8: ([], ["v_i", "v_i_new"]), 9: (["x_p"], []), 10: (["v_p"], [])}
+LABELS = {"v_i_star": "v_i*", "v_i_new": "v_i at n+1"}
+
+
+def read_rows(lesson, stage):
+    """Inputs as they stand before the stage, and the pair's own weight: (owner, label, units, components)."""
+    record, rows = lesson.record_of(stage), []
+    own_nodes = stage != 2  # the chosen node belongs to the step shown on the other pages
+    for of_node, names in enumerate(READS[stage]):
+        for name in names:
+            if of_node and not own_nodes:
+                continue
+            value = getattr(record.at(stage - 1), name)[lesson.i if of_node else lesson.p]
+            rows.append((lesson.node_name if of_node else lesson.particle_name, LABELS.get(name, name), lesson_file.UNITS[name], [(c, repr(float(x))) for c, x in components(value)]))
+    pair = next((n for n in lesson.data["stencil"] if n["node"] == lesson.i), None)
+    if pair and stage in (1, 3, 7, 8):
+        rows.append(("both", "w_ip", "1", [("", repr(pair["w_ip"]))]))
+    if pair and stage in (3, 7):
+        rows.append(("both", "∇w_ip", "1/m", list(zip("xyz", map(repr, pair["grad_w_ip"])))))
     return rows
 
 
@@ -113,7 +137,7 @@ def stage_values(lesson, page):
     return {"scene_line": line, "pictures": pictures.of_stage(lesson, stage, STAGES[stage - 1]),
             "node_name": lesson.node_name.capitalize(), "particle_name": lesson.particle_name.capitalize(),
             "node_rows": number_rows(lesson, stage, True), "particle_rows": number_rows(lesson, stage, False),
-            "hand_code": source.highlight(code, source.PYTHON), "hand_rows": [(f, f"{d:.2g}", f"{d * 2**52:.2g}") for f, _, _, d in hand],
+            "reads": read_rows(lesson, stage), "hand_code": source.highlight(code, source.PYTHON), "hand_rows": [(f, f"{d:.2g}", f"{d * 2**52:.2g}") for f, _, _, d in hand],
             "source": source.File(lesson, source.path_of(stage)), "text": page.text, "optimized": page.optimized,
             "checks": check_rows(lesson, stage), "check_command": check_command(lesson)}
 
