@@ -50,6 +50,20 @@ TEST_F(Targets, EveryOneIsDispatchedAndValid) {
   EXPECT_GE(checked, 6);
 }
 
+#if defined(__x86_64__)
+/// Asked of the processor itself, not of the library that dispatches.
+TEST_F(Targets, EverythingThatTheProcessorHasIsThere) {
+  const std::vector<std::string> targets = optimized_targets();
+  const auto expect = [&](const char* name, bool supported) {
+    EXPECT_EQ(std::count(targets.begin(), targets.end(), name), supported ? 1 : 0) << name;
+  };
+  expect("SSE4", __builtin_cpu_supports("sse4.2"));
+  expect("AVX2", __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"));
+  expect("AVX3", __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                     __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq"));
+}
+#endif
+
 /// Every lane does the same operations in the same order on every instruction set,
 /// and the four nodes in z are always added as (0+2) + (1+3). Only SSE4 differs: it
 /// has no fused multiply-add.
