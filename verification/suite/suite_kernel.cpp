@@ -227,6 +227,25 @@ TEST(Kernel, far_from_the_origin) {
   within("w_ip, relative to itself", worst, weight_roundings * eps());
 }
 
+/// A grid whose origin is not zero, and a particle whose nodes lie on both sides of a seam.
+TEST(Kernel, origin_and_seam) {
+  FIRN_NEEDS_STOP(Stage::rasterize);
+  Scene scene = plain_scene();
+  scene.grid.origin = spacing * Vec3(0.25, -0.375, 0.5);
+  scene.grid.periodic = spacing * Vec3(6, 0, 0);
+  State state;
+  state.particles.resize(1);
+  state.particles.x[0] = scene.grid.origin + spacing * Vec3(0.125, -3.25, 2.625);
+  state.particles.m[0] = 1;
+  const State after = run_through(scene, state, Stage::rasterize, 1e-4);
+  std::int64_t met = 0;
+  for_each_weight(scene, after.grid, state.particles.x[0], [&](std::size_t i, double w_ip) {
+    ++met;
+    within("w_ip", after.grid.m[i] - w_ip, weight_roundings * eps() * w_ip);
+  });
+  expect("the 64 nodes are where they should be", met == 64 && after.grid.size() == 64);
+}
+
 /// A whole step of a lone, deformed particle, for solvers that stop nowhere else as well:
 /// F' = (I − (Δt²V/m) τ diag(Σ N'²/N)/h²) F, v and x move on.
 TEST(Kernel, one_step_of_a_lone_particle) {
