@@ -229,7 +229,7 @@ void plan_stability_suite(const Registry& registry, const Options& options,
       add("particles per cell, estimated volumes", v * v * v, v < 3, [v](Point& p) {
         p.per_edge = v;
         p.estimated = true;
-        p.jitter = 0.5;
+        p.jitter = 1;  // as bodies are sampled
       });
     }
     for (const double v : {0.5, 0.7, 0.9}) add("J_P", v, true, [v](Point& p) { p.J_P = v; });
