@@ -1,5 +1,7 @@
 #include "io/hdf5_id.hpp"
 
+#include "io/one_line.hpp"
+
 namespace firn::hdf5 {
 
 namespace {
@@ -30,7 +32,7 @@ herr_t collect(unsigned /*depth*/, const H5E_error2_t* error, void* data) {
 std::string last_error() {
   std::string text;
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, collect, &text);
-  return text.empty() ? "HDF5 gives no reason" : text;
+  return text.empty() ? "HDF5 gives no reason" : one_line(text, 200);
 }
 
 Id file_access() {

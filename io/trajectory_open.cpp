@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "firn/error.hpp"
+#include "io/one_line.hpp"
 
 namespace firn {
 
@@ -36,7 +37,8 @@ void TrajectoryReader::Open::require_vtkhdf_polydata() const {
                      std::to_string(version[0]), "2");
   const std::string type = file.text_attribute(vtkhdf, "Type");
   if (type != "PolyData")
-    throw InputError(file.where(vtkhdf) + ": attribute Type", "kind of data", type, "PolyData");
+    throw InputError(file.where(vtkhdf) + ": attribute Type", "kind of data", one_line(type, 80),
+                     "PolyData");
 }
 
 /// Frames are counted by NSteps; one without a time is not complete.
@@ -109,7 +111,7 @@ void TrajectoryReader::Open::read_firn() {
   if (!file.has(firn)) return;
   const std::string format = file.text_attribute(firn, "format");
   if (format != trajectory_format)
-    throw InputError(file.where(firn) + ": attribute format", "format", format,
+    throw InputError(file.where(firn) + ": attribute format", "format", one_line(format, 80),
                      std::string(trajectory_format));
   const std::int64_t version = file.integer_attribute(firn, "version");
   if (version != trajectory_version)
@@ -119,8 +121,8 @@ void TrajectoryReader::Open::read_firn() {
   found.solver = file.text_attribute(firn, "solver");
   const std::string precision = file.text_attribute(firn, "precision");
   if (precision != "double" && precision != "float")
-    throw InputError(file.where(firn) + ": attribute precision", "precision", precision,
-                     "double, float");
+    throw InputError(file.where(firn) + ": attribute precision", "precision",
+                     one_line(precision, 80), "double, float");
   found.precision = precision == "float" ? Precision::float32 : Precision::float64;
   found.threads = static_cast<int>(
       std::clamp<std::int64_t>(file.integer_attribute(firn, "threads"), 0, 1 << 20));

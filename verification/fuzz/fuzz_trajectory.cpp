@@ -110,7 +110,8 @@ std::size_t input_size = 0;
 extern "C" void on_crash(int signal) {
   if (firn::hdf5::file_being_read() == nullptr) {
     std::signal(signal, SIG_DFL);
-    std::raise(signal);
+    std::raise(signal);  // comes when this handler returns
+    return;
   }
   const std::string path = "hdf5-" + std::to_string(getpid());
   if (std::FILE* file = std::fopen(path.c_str(), "wb")) {
