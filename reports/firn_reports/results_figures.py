@@ -193,6 +193,7 @@ def snowball(results):
             spread = [middle - [v.min() for v in values], [v.max() for v in values] - middle]
             axes.errorbar(x, middle, yerr=spread, label=solver, capsize=3, **style)
         quantity = cases[0].quantities[name]
+        axes.set_xticks(sorted({c["resolution"] for c in cases}))
         axes.set_xlabel("spacings per radius of the ball")
         axes.set_ylabel(f"{name} [{quantity.units}]")
         legend(axes, ncols=2)
