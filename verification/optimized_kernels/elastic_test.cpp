@@ -228,14 +228,14 @@ Matrix large_strain(Random& r, double size) {
   return minus_identity(with_singular_values(r, 1 + size, r.uniform(0.3, 1), r.uniform(0.3, 1)));
 }
 Matrix inverted(Random& r, double size) {
-  return minus_identity(with_singular_values(r, 1 + size, r.uniform(0.5, 1), -0.5 * r.uniform()));
+  return minus_identity(with_singular_values(r, 1 + size, r.uniform(0.5, 1), -0.25 * r.uniform()));
 }
 template <class T>
 void check_all_stresses() {
   check_stress<T>("stress, gradients of 3e-8 to 3e-2", small_gradient, -6, 8);
   check_stress<T>("stress, snow turned by any rotation", turned_snow, 0, 8);
   check_stress<T>("stress, large strains", large_strain, -1, 8);
-  // R is undetermined where σ2 + σ3 = 0; here σ2 + σ3 ≥ 0.25 or so, which multiplies the roundoff.
+  // R is undetermined where σ2 + σ3 = 0; here σ2 + σ3 ≥ 0.25, which multiplies the roundoff.
   check_stress<T>("stress, inverted", inverted, -1, 60);
 }
 
