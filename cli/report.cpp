@@ -24,6 +24,8 @@ int run_report(const Arguments& arguments) {
   std::vector<std::string> words = {"firn_reports", arguments.file, "-o", arguments.out};
   for (const std::string& check : arguments.checks) words.insert(words.end(), {"--check", check});
   if (!arguments.baseline.empty()) words.insert(words.end(), {"--baseline", arguments.baseline});
+  if (!arguments.threshold.empty()) words.insert(words.end(), {"--threshold", arguments.threshold});
+  if (arguments.readme_table) words.push_back("--readme-table");
   return run_python_module(words);
 }
 
