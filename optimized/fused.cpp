@@ -101,12 +101,12 @@ void OptimizedSolver<T>::load_surroundings(std::size_t active, const Workspace<T
     const T* gathered[8];
     for (std::size_t k = 0; k < 8; ++k)
       gathered[k] = nodes_.gathered(static_cast<std::size_t>(s.node_block[k]));
-    kernels_.load_local(gathered, work);
+    kernels_.load_local(gathered, work.local);
   } else {
     for (int k = 0; k < s.region_count; ++k) {
       const auto& from = nodes_.regions(s)[k];
       kernels_.load_region(nodes_.gathered(static_cast<std::size_t>(from.node_block)), from.region,
-                           work);
+                           work.local);
     }
   }
   kernels_.difference(work);

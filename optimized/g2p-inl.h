@@ -18,6 +18,7 @@
 #include "optimized/fold-inl.h"
 #include "optimized/kernels/mat3-inl.h"
 #include "optimized/records-inl.h"
+#include "optimized/surroundings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
@@ -35,41 +36,6 @@ inline constexpr int coefficient_x = tile_nodes* coefficient_y<T>;
 /// gradient row, and the rows of u.
 template <class T>
 inline constexpr int gathered_rows = 3 * gradient_rows<T> + gather_rows<T> - gradient_rows<T>;
-
-/// The 7×7×8 node values around a block from its 8 node blocks.
-template <class T>
-void load_local(const T* const gathered[8], const Workspace<T>& work) {
-  constexpr int R = tile_row_size<T>;
-  constexpr int rows = gather_rows<T>;
-  for (int x = 0; x < tile_nodes; ++x)
-    for (int y = 0; y < tile_nodes; ++y) {
-      const int source = 4 * (x / 4) + 2 * (y / 4),
-                offset = (x % 4 * 4 + y % 4) * rows * row_size<T>;
-      const T* low = gathered[source] + offset;
-      const T* high = gathered[source + 1] + offset;
-      T* to = work.local + (x * tile_nodes + y) * rows * R;
-      for (int r = 0; r < rows; ++r) {
-        store_row(load_row(low + r * row_size<T>), to + r * R);
-        store_row(load_row(high + r * row_size<T>), to + r * R + row_size<T>);
-      }
-    }
-}
-
-/// The same region by region.
-template <class T>
-void load_region(const T* gathered, const Region& region, const Workspace<T>& work) {
-  constexpr int C = channels<T>, rows = gather_rows<T>;
-  for (int x = 0; x < region.size[0]; ++x)
-    for (int y = 0; y < region.size[1]; ++y)
-      for (int r = 0; r < rows; ++r) {
-        const int xy = 4 * (x + region.node[0]) + y + region.node[1];
-        const T* from = gathered + (xy * rows + r) * row_size<T> + region.node[2] * C;
-        T* to = work.local + region.tile[2] * C +
-                (((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows + r) *
-                    tile_row_size<T>;
-        for (int i = 0; i < region.size[2] * C; ++i) to[i] = from[i];
-      }
-}
 
 /// V, Δ and S of the local values.
 template <class T>

@@ -35,8 +35,8 @@ struct KernelTable {
 
   /// The node values around a block, from the 8 node blocks that it meets or, at
   /// the end of a period that is no multiple of 4, region by region.
-  void (*load_local)(const T* const gathered[8], const Workspace<T>&);
-  void (*load_region)(const T* gathered, const Region&, const Workspace<T>&);
+  void (*load_local)(const T* const gathered[8], T* local);
+  void (*load_region)(const T* gathered, const Region&, T* local);
   /// Their difference form.
   void (*difference)(const Workspace<T>&);
   /// Stages 7, 8, 10 as `passes` says. Returns the number of leavers in the workspace.

@@ -35,8 +35,8 @@ KernelTable<T> make_table() {
   t.node_forces = &node_forces<T>;
   t.node_velocities_star = &node_velocities_star<T>;
   t.pack_gathered = &pack_gathered<T>;
-  t.load_local = &load_local<T>;
-  t.load_region = &load_region<T>;
+  t.load_local = &load_local<T, gather_rows<T>>;
+  t.load_region = &load_region<T, gather_rows<T>>;
   t.difference = &difference<T>;
   t.update = &update<T>;
   t.stress = &stress_pass<T>;

@@ -19,6 +19,7 @@
 #include "optimized/implicit/layout.hpp"
 #include "optimized/kernels/hessian-inl.h"
 #include "optimized/records-inl.h"
+#include "optimized/surroundings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
@@ -80,39 +81,6 @@ template <class S>
 HWY_INLINE const S* hessian_vector(const S* chunks, int i) {
   constexpr int chunk = chunk_lanes<S>;
   return chunks + i / chunk * (hessian_slots * chunk) + i % chunk;
-}
-
-/// The 7×7×8 values around a block from its 8 node blocks, as g2p-inl.h's load_local.
-template <class T>
-void load_vectors(const T* const gathered[8], const HessianScratch<T>& work) {
-  constexpr int R = tile_row_size<T>, rows = vector_rows<T>;
-  for (int x = 0; x < tile_nodes; ++x)
-    for (int y = 0; y < tile_nodes; ++y) {
-      const int source = 4 * (x / 4) + 2 * (y / 4),
-                offset = (x % 4 * 4 + y % 4) * rows * row_size<T>;
-      const T* low = gathered[source] + offset;
-      const T* high = gathered[source + 1] + offset;
-      T* to = work.local + (x * tile_nodes + y) * rows * R;
-      for (int r = 0; r < rows; ++r) {
-        store_row(load_row(low + r * row_size<T>), to + r * R);
-        store_row(load_row(high + r * row_size<T>), to + r * R + row_size<T>);
-      }
-    }
-}
-
-template <class T>
-void load_vector_region(const T* gathered, const Region& region, const HessianScratch<T>& work) {
-  constexpr int C = channels<T>, rows = vector_rows<T>;
-  for (int x = 0; x < region.size[0]; ++x)
-    for (int y = 0; y < region.size[1]; ++y)
-      for (int r = 0; r < rows; ++r) {
-        const int xy = 4 * (x + region.node[0]) + y + region.node[1];
-        const T* from = gathered + (xy * rows + r) * row_size<T> + region.node[2] * C;
-        T* to = work.local + region.tile[2] * C +
-                (((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows + r) *
-                    tile_row_size<T>;
-        for (int i = 0; i < region.size[2] * C; ++i) to[i] = from[i];
-      }
 }
 
 /// V, Δ and S of the local values: [x 1…5][y][V, Δ, S][row][z][channel].

@@ -13,8 +13,8 @@ struct HessianKernels {
   int tile_size, gathered_size, sums_size;
 
   /// The node values around a block; see KernelTable.
-  void (*load_local)(const T* const gathered[8], const HessianScratch<T>&);
-  void (*load_region)(const T* gathered, const Region&, const HessianScratch<T>&);
+  void (*load_local)(const T* const gathered[8], T* local);
+  void (*load_region)(const T* gathered, const Region&, T* local);
   void (*difference)(const HessianScratch<T>&);
 
   /// Σ_p (V_p0 A_p F_Eᵀ) ∂w_ip for the velocities around the block, onto its tile.

@@ -126,12 +126,12 @@ void ImplicitSystem<S>::apply() {
       const T* from[8];
       for (std::size_t k = 0; k < 8; ++k)
         from[k] = gathered<T>(static_cast<std::size_t>(s.node_block[k]));
-      kernels.load_local(from, work);
+      kernels.load_local(from, work.local);
     } else {
       for (int k = 0; k < s.region_count; ++k) {
         const auto& from = nodes_->regions(s)[k];
         kernels.load_region(gathered<T>(static_cast<std::size_t>(from.node_block)), from.region,
-                            work);
+                            work.local);
       }
     }
     kernels.difference(work);

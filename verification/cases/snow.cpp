@@ -160,6 +160,20 @@ Case awkward_lump() {
   return c;
 }
 
+Case far_lump() {
+  Case c = lump_on_slope();
+  c.name = "far lump";
+  const Vec3 away = 20000 * h * Vec3(1, -1, 0.5);
+  c.scene.grid.origin += away;
+  for (Vec3& x : c.state.particles.x) x += away;
+  for (Collider& collider : c.scene.colliders) {
+    if (auto* plane = std::get_if<HalfSpace>(&collider.shape)) plane->point += away;
+    if (auto* sphere = std::get_if<Sphere>(&collider.shape)) sphere->center += away;
+    collider.center += away;
+  }
+  return c;
+}
+
 std::vector<Case> snow_cases() {
   return {lump_on_slope(), periodic_lump(), awkward_lump(), implicit_lump()};
 }

@@ -46,7 +46,11 @@ Case periodic_lump();
 /// away; F_E inverted, singular, a pure rotation, crushed and stretched; F_P hard and soft.
 Case awkward_lump();
 
-/// All of them.
+/// The lump on the slope 20 000 cells from the world's origin, with a grid whose origin is there,
+/// too.
+Case far_lump();
+
+/// Those near the origin: all but far_lump().
 std::vector<Case> snow_cases();
 
 }  // namespace firn::cases

@@ -28,7 +28,7 @@ ALLOWED = {
     "io": ["firn"],
     "verification": ["firn", "io", ROOT_OF_SOLVERS],
     "verification/check": ["firn"],
-    "verification/check/tests": ["firn", "io", "verification/check", ROOT_OF_SOLVERS],
+    "verification/check/tests": ["firn", "io", "verification/cases", "verification/check", ROOT_OF_SOLVERS],
     # Wrong solvers are made of the right one's stages.
     "verification/mutants": ["firn", "reference"],
     "verification/mutants/tests": ["firn", "verification", ROOT_OF_SOLVERS],

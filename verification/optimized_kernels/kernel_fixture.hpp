@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
 #include <hwy/targets.h>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,10 @@ inline constexpr std::size_t sample_factor = 100;
 #else
 inline constexpr std::size_t sample_factor = 1;
 #endif
+
+/// The unit in which errors are told.
+template <class T>
+inline constexpr long double roundoff = std::numeric_limits<T>::epsilon();
 
 /// One test instance for each compiled instruction set that the processor has.
 class EveryTarget : public ::testing::TestWithParam<std::int64_t> {

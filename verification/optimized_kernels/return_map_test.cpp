@@ -8,22 +8,12 @@
 #include <gtest/gtest.h>
 #include <limits>
 
-#include "verification/optimized_kernels/kernel_fixture.hpp"
+#include "verification/optimized_kernels/elastic_cases.hpp"
 #include "verification/oracles/elastic_oracle.hpp"
 #include "verification/oracles/svd_families.hpp"
 
 namespace firn::verification {
 namespace {
-
-constexpr double theta_c = 2.5e-2, theta_s = 7.5e-3;
-
-template <class T>
-constexpr long double eps = std::numeric_limits<T>::epsilon();
-
-Matrix minus_identity(Matrix F) {
-  F[0] -= 1, F[4] -= 1, F[8] -= 1;
-  return F;
-}
 
 Matrix identity() { return {1, 0, 0, 0, 1, 0, 0, 0, 1}; }
 
@@ -132,20 +122,20 @@ void check_lane(const State<T>& before, const State<T>& after, std::size_t i, Wo
   Matrix defect = multiply(E, P);
   const Matrix product = multiply(F_hat, F_P);
   for (int k = 0; k < 9; ++k) defect[k] -= product[k];
-  worst.product.add(norm(defect) / (norm(F_P) * size) / eps<T>);
+  worst.product.add(norm(defect) / (norm(F_P) * size) / roundoff<T>);
 
   const Svd result = svd_oracle(E);
   const Real beyond = std::max(result.sigma[0] - (1 + static_cast<Real>(theta_s)),
                                (1 - static_cast<Real>(theta_c)) - result.sigma[2]);
-  worst.stretch.add(std::max(beyond, Real(0)) / size / eps<T>);
+  worst.stretch.add(std::max(beyond, Real(0)) / size / roundoff<T>);
 
   // The map itself is discontinuous where σ2 + σ3 = 0; away from that it is compared entry by
   // entry.
   if (exact.trial.sigma[1] + exact.trial.sigma[2] < 0.5L) return;
   Matrix dE, dP;
   for (int k = 0; k < 9; ++k) dE[k] = E[k] - exact.F_E[k], dP[k] = P[k] - exact.F_P[k];
-  worst.F_E.add(norm(dE) / size / eps<T>);
-  worst.F_P.add(norm(dP) / (norm(F_P) * size) / eps<T>);
+  worst.F_E.add(norm(dE) / size / roundoff<T>);
+  worst.F_P.add(norm(dP) / (norm(F_P) * size) / roundoff<T>);
 }
 
 template <class T>
@@ -178,7 +168,7 @@ void check_family(const Family& family, std::uint64_t seed) {
     for (std::size_t k = 0; k < 9; ++k)
       ways = std::max({ways, std::abs(Real(fast.E(i, k)) - full.E(i, k)),
                        std::abs(Real(fast.P(i, k)) - full.P(i, k))});
-    worst_fast.ways.add(ways / std::max(Real(1), hat.sigma[0]) / eps<T>);
+    worst_fast.ways.add(ways / std::max(Real(1), hat.sigma[0]) / roundoff<T>);
   }
   print(family.name, "fast", worst_fast);
   print(family.name, "full", worst_full);
@@ -224,10 +214,10 @@ void check_untouched() {
           ASSERT_TRUE(same) << family.name << " " << i;
         }
         // Singular values are known to a few eps of F̂ − I, near a half turn ‖F̂ − I‖² = 8.
-        if (beyond < -16 * eps<T>) {
+        if (beyond < -16 * roundoff<T>) {
           ASSERT_EQ(after.changed(i, 0), 0) << family.name << " " << i;
         }
-        if (beyond > 16 * eps<T>) {
+        if (beyond > 16 * roundoff<T>) {
           ASSERT_EQ(after.changed(i, 0), 1) << family.name << " " << i;
         }
         (same ? untouched : clamped) += 1;
@@ -278,9 +268,9 @@ void check_lanes() {
       }
       ASSERT_TRUE(finite) << i;
       for (std::size_t k = 0; k < 9; ++k) {
-        ASSERT_LE(std::abs(Real(once.E(i, k)) - twice.E(i, k)), 16 * eps<T>) << i;
+        ASSERT_LE(std::abs(Real(once.E(i, k)) - twice.E(i, k)), 16 * roundoff<T>) << i;
         ASSERT_LE(std::abs(Real(once.P(i, k)) - twice.P(i, k)),
-                  16 * eps<T> * (1 + std::abs(once.P(i, k))))
+                  16 * roundoff<T> * (1 + std::abs(once.P(i, k))))
             << i;
         ASSERT_EQ(std::memcmp(&once.E(i, k), &moved.E((i + 5) % n, k), sizeof(T)), 0) << i;
         ASSERT_EQ(std::memcmp(&once.P(i, k), &moved.P((i + 5) % n, k), sizeof(T)), 0) << i;

@@ -18,9 +18,6 @@ namespace {
 
 constexpr std::size_t matrices_per_family = 2000 * sample_factor;
 
-template <class T>
-constexpr long double eps = std::numeric_limits<T>::epsilon();
-
 /// A family's matrices, rounded to T, with their exact decompositions: made once, used by every
 /// instruction set.
 template <class T>
@@ -72,7 +69,7 @@ void check_family(const Family& family, std::uint64_t seed) {
   const long double grain = std::numeric_limits<T>::denorm_min();
   for (std::size_t i = 0; i < sample.A.size(); ++i) {
     const SvdErrors e =
-        svd_errors(matrix(sample.A, i), computed.at(i), sample.exact[i], eps<T>, grain);
+        svd_errors(matrix(sample.A, i), computed.at(i), sample.exact[i], roundoff<T>, grain);
     ASSERT_TRUE(e.finite) << "matrix " << i;
     ASSERT_TRUE(e.rotations) << "matrix " << i;
     ASSERT_TRUE(e.ordered) << "matrix " << i;

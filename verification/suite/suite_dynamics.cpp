@@ -96,6 +96,8 @@ TEST(Dynamics, plane_waves) {
   }
   for (const int axis : {1, 2}) plane_wave({axis, 0.95, 0, 0.5});
   plane_wave({0, 1, 1, 1});
+  plane_wave({0, 0.95, 0.5, 1});
+  plane_wave({0, 0.5, 0.5, 0.2});
   plane_wave({1, 0.95, 0.5, 1});
   plane_wave({2, 0, 1, 1});
 }

@@ -5,14 +5,13 @@
 #include <Eigen/SVD>
 #include <cmath>
 #include <gtest/gtest.h>
-#include <random>
 
+#include "verification/cases/snow.hpp"
 #include "verification/check/bounds.hpp"
 #include "verification/check/check.hpp"
 #include "verification/check/conditioning.hpp"
 #include "verification/check/fields.hpp"
 #include "verification/check/stencil.hpp"
-#include "verification/check/tests/scenes.hpp"
 #include "verification/check/tests/solvers.hpp"
 
 namespace firn::test {
@@ -20,23 +19,6 @@ namespace {
 
 using check::StencilNode;
 using check::Stencils;
-
-class Random {
- public:
-  double operator()() { return std::ldexp(static_cast<double>(engine_() >> 11), -52) - 1; }
-  Vec3 vec3() {
-    const double x = (*this)(), y = (*this)(), z = (*this)();
-    return {x, y, z};
-  }
-  Mat3 mat3() {
-    Mat3 m;
-    for (int row = 0; row < 3; ++row) m.row(row) = vec3();
-    return m;
-  }
-
- private:
-  std::mt19937_64 engine_{1};
-};
 
 /// All nodes of [−4, 4]³.
 Grid block_of_nodes() {
@@ -88,7 +70,7 @@ TEST(Stencil, on_a_node_the_weights_are_products_of_one_sixth_and_two_thirds) {
 TEST(Stencil, its_errors_bound_what_a_displacement_does) {
   const Scene scene = unit_grid();
   const Grid grid = block_of_nodes();
-  Random random;
+  cases::Random random(1);
   const double step = 1e-4 * scene.grid.spacing;
   double sharpest = 0;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -158,7 +140,7 @@ MatL tau(const Material& m, const Mat3& F_E, const Mat3& F_P) {
 
 TEST(Conditioning, stress_changes_no_more_than_its_bound) {
   const Material material;
-  Random random;
+  cases::Random random(1);
   double sharpest = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const double strain = trial % 3 == 0 ? 0.02 : trial % 3 == 1 ? 0.3 : 0.7;
@@ -186,7 +168,7 @@ TEST(Conditioning, return_map_changes_no_more_than_its_bound) {
     const MatL F_E = p.U * p.sigma.asDiagonal() * p.V.transpose();
     return std::pair<MatL, MatL>(F_E, F_E.inverse() * F_hat * F_P);
   };
-  Random random;
+  cases::Random random(1);
   double sharpest = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const double strain = trial % 3 == 0 ? 0.02 : trial % 3 == 1 ? 0.3 : 0.6;
@@ -280,7 +262,7 @@ TEST_P(Sensitivity, a_relative_error_of_1e_10_is_found) {
         default: return spoil(p.x);
       }
     });
-    const Case c = lump_on_slope();
+    const cases::Case c = cases::lump_on_slope();
     const auto reference = make_reference();
     const CheckReport report = run_check(c.scene, c.state, *reference, subject, {.steps = 1});
     ASSERT_FALSE(report.valid()) << name(field);

@@ -4,15 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "firn/error.hpp"
+#include "verification/cases/snow.hpp"
 #include "verification/check/check.hpp"
-#include "verification/check/tests/scenes.hpp"
 #include "verification/check/tests/solvers.hpp"
 
 namespace firn::test {
 namespace {
 
 TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
-  for (const Case& c : {lump_on_slope(), implicit_lump_on_slope(), periodic_lump()}) {
+  for (const cases::Case& c :
+       {cases::lump_on_slope(), cases::implicit_lump(), cases::periodic_lump()}) {
     const auto reference = make_reference(), subject = make_reference();
     const CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = 3});
     EXPECT_TRUE(report.valid()) << to_table(report);
@@ -26,7 +27,8 @@ TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
 }
 
 TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
-  for (const Case& c : {lump_on_slope(), implicit_lump_on_slope(), periodic_lump()}) {
+  for (const cases::Case& c :
+       {cases::lump_on_slope(), cases::implicit_lump(), cases::periodic_lump()}) {
     const auto reference = make_reference();
     Rounding honest(Precision::float32), boastful(Precision::float64);
     const CheckReport as_float = run_check(c.scene, c.state, *reference, honest, {.steps = 5});
@@ -42,7 +44,7 @@ TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
 /// Every registered solver, from random states, at the start and after some steps.
 TEST(Lockstep, registered_solvers_agree_on_the_lumps) {
   int runs = 0;
-  const auto expect_valid = [&](const Case& c, const CheckOptions& check_options) {
+  const auto expect_valid = [&](const cases::Case& c, const CheckOptions& check_options) {
     for (const SolverEntry& entry : registry().entries())
       for (const Precision precision : entry.precisions) {
         SCOPED_TRACE(entry.name + " " + std::string(name(precision)));
@@ -55,19 +57,19 @@ TEST(Lockstep, registered_solvers_agree_on_the_lumps) {
         ++runs;
       }
   };
-  for (const Case& c : {lump_on_slope(), far_lump(), periodic_lump()})
+  for (const cases::Case& c : {cases::lump_on_slope(), cases::far_lump(), cases::periodic_lump()})
     for (const std::int64_t start_step : {0, 40})
       expect_valid(c, {.steps = 2, .start_step = start_step});
   // An inverted F_E turns F_P over in the first step, which hardens by e^20: the method
   // itself goes no further.
-  expect_valid(awkward_lump(), {.steps = 1});
+  expect_valid(cases::awkward_lump(), {.steps = 1});
   EXPECT_GE(runs, 7);
 }
 
 TEST(FreeRunning, registered_solvers_stay_together) {
   for (const SolverEntry& entry : registry().entries())
     for (const Precision precision : entry.precisions)
-      for (const Case& c : {lump_on_slope(), periodic_lump()}) {
+      for (const cases::Case& c : {cases::lump_on_slope(), cases::periodic_lump()}) {
         SolverOptions options;
         options.precision = precision;
         const auto reference = make_reference();
