@@ -14,6 +14,9 @@ install(TARGETS ${firn_libraries} firn_arithmetic EXPORT FirnTargets
 if(TARGET firn)
   install(TARGETS firn firn-guest RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET firn-verify)
+  install(TARGETS firn-verify RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 
 # Headers keep their place under the project's root, so that an #include reads the
 # same inside and outside.

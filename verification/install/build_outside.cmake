@@ -26,8 +26,10 @@ endforeach()
 
 # Copied away from the tree, so that no header is found by accident.
 file(COPY ${OUTSIDE} DESTINATION ${WORK})
-run(${CMAKE_COMMAND} -S ${WORK}/outside -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/prefix
+run(${CMAKE_COMMAND} -S ${WORK}/outside -B ${WORK}/build -G ${GENERATOR} -DCMAKE_PREFIX_PATH=${WORK}/prefix
   -DCMAKE_C_COMPILER=${C_COMPILER} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
   -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_BUILD_TYPE=Release)
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${WORK}/build/outside)
+# The installed program finds the one behind `firn verify` beside itself.
+run(${WORK}/prefix/bin/firn verify --list)
