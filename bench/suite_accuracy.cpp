@@ -152,7 +152,7 @@ void plan_explicit(bool with_finest, std::vector<Point>& points) {
   for (const AlphaPolicy& policy : {undamped, usual, pic})
     for (const int cells : {16, 32, 64, 128})
       if (cells < 128 || (with_finest && policy.value > 0))
-        points.push_back({"vortex", vortex_of_15_percent, cells, 0.4, policy, {}, cells <= 32});
+        points.push_back({"vortex", vortex_of_15_percent, cells, 0.4, policy, {}, cells <= 16});
 }
 
 /// Where semi-implicit steps might pay: beyond the explicit limit.

@@ -49,7 +49,8 @@ void plan_flatness(const Registry& registry, const Options& options, const Subje
 /// Time of one thread over n times the time of n threads, in one interleaved run.
 void plan_efficiency(const Registry& registry, const Options& options, const Subject& subject,
                      Deformation deformation, std::size_t particles, std::vector<CasePlan>& plans) {
-  CasePlan plan = step_case("scaling", subject, deformation, particles, particles <= 100'000);
+  CasePlan plan = step_case("scaling", subject, deformation, particles,
+                            particles <= 100'000 && subject.precision == Precision::float32);
   plan.run = [=, &registry](results::Case& result) {
     const Workload work = block(particles, deformation, options.seed);
     const auto n = static_cast<double>(work.state.particles.size());
