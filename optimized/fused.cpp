@@ -210,21 +210,21 @@ StepReport OptimizedSolver<T>::fused_step() {
   if (keep_fields) nodes_.require_fields();
 
   const int n = static_cast<int>(nodes_.size());
-  if (solves()) implicit_.release(nodes_.size()), nodes_.require_fields();
+  if (solves()) implicit_.release(nodes_.size());
   std::int64_t count = 0;
   bool finite = true;
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 16) reduction(+ : count) reduction(&& : finite)
   for (int i = 0; i < n; ++i) {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
     const auto k = static_cast<std::size_t>(i);
-    NodeFields<T>& node = solves() || keep_fields ? nodes_.fields(k) : *memory.node.data();
+    NodeFields<T>& node = keep_fields ? nodes_.fields(k) : *memory.node.data();
     sum_tiles(k, memory, node);
     kernels_.node_velocities(node);
     kernels_.node_forces(constants_, node);
     kernels_.node_velocities_star(constants_, node);
     collide_nodes(k, memory, node);
-    if (kernels_.pack_gathered(constants_, node, nodes_.gathered(k)).fault != Fault::none)
-      finite = false;
+    finite = kernels_.pack_gathered(constants_, node, nodes_.gathered(k)) && finite;
+    if (solves()) implicit_.motion(k) = node;
     count += count_nodes(node);
   }
   // No particle has changed yet: the staged path finds out what went wrong and where.
@@ -236,7 +236,7 @@ StepReport OptimizedSolver<T>::fused_step() {
 
   if (solves()) {
     solve_implicit();
-    pack_all();
+    pack_all([&](std::size_t k) -> const NodeMotion<T>& { return implicit_.motion(k); });
   }
   if (!skips_.volumes) volumes();
 

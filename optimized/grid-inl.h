@@ -128,36 +128,22 @@ void node_velocities_star(const StepConstants<T>& step, NodeFields<T>& node) {
   }
 }
 
-/// The first node at which one of three components is not finite, −1 if none.
 template <class T>
-HWY_INLINE int first_not_finite(const T (&field)[3][nodes_per_block]) {
+HWY_INLINE bool all_finite(const T (&field)[3][nodes_per_block]) {
   const Lanes<T> d;
   auto sum = hn::Zero(d);  // 0·x is 0 or NaN
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < nodes_per_block; i += lane_count<T>)
       sum = hn::MulAdd(hn::Load(d, field[a] + i), hn::Zero(d), sum);
-  if (HWY_LIKELY(hn::AllTrue(d, hn::Eq(sum, hn::Zero(d))))) return -1;
-  for (int i = 0; i < nodes_per_block; ++i)
-    for (int a = 0; a < 3; ++a)
-      if (!(field[a][i] - field[a][i] == 0)) return i;
-  return -1;
+  return hn::AllTrue(d, hn::Eq(sum, hn::Zero(d)));
 }
 
 /// v^{n+1} and u = v^{n+1} − α vⁿ, interleaved as the gather reads them:
-/// [x][y][row][z][channel] with the six channels (v_new, u).
+/// [x][y][row][z][channel] with the six channels (v_new, u). Whether v_new is finite.
 template <class T>
-FaultReport pack_gathered(const StepConstants<T>& step, const NodeFields<T>& node, T* gathered) {
+bool pack_gathered(const StepConstants<T>& step, const NodeMotion<T>& node, T* gathered) {
   const Lanes<T> d;
   constexpr int C = channels<T>;
-  FaultReport report;
-  const int bad = first_not_finite(node.v_star);
-  if (HWY_UNLIKELY(bad >= 0)) {
-    const int bad_v = first_not_finite(node.v), bad_f = first_not_finite(node.f);
-    report.fault = bad_v >= 0   ? Fault::node_velocity
-                   : bad_f >= 0 ? Fault::node_force
-                                : Fault::node_velocity_star;
-    report.place = bad_v >= 0 ? bad_v : bad_f >= 0 ? bad_f : bad;
-  }
   alignas(64) T u[3][nodes_per_block];
   const auto flip = hn::Set(d, step.flip);
   for (int a = 0; a < 3; ++a)
@@ -173,7 +159,7 @@ FaultReport pack_gathered(const StepConstants<T>& step, const NodeFields<T>& nod
       store_row(load_row(row + xy * row_size<T>),
                 gathered + (xy * gather_rows<T> + r) * row_size<T>);
   }
-  return report;
+  return all_finite(node.v_star);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -23,11 +23,11 @@ template <class T>
 void OptimizedSolver<T>::solve_implicit() {
   const IntegratorSettings& settings = scene_->integrator;
   solved_ = {};
-  implicit_.remember_v_star(nodes_);
   if (!(settings.implicitness > 0)) return;
   refresh_stress();  // for the hardened stiffness of particles that were only just loaded
   const double dt_over_h = dt_ / scene_->grid.spacing;
-  implicit_.assemble(particles_, nodes_, constants_, settings.implicitness * dt_over_h * dt_over_h);
+  implicit_.assemble(particles_, nodes_, constants_, settings.implicitness * dt_over_h * dt_over_h,
+                     memory_);
   tiles_stale_ = gathered_stale_ = true;  // the solve uses their memory
   solved_ = implicit_.solve(settings.tolerance, settings.max_iterations);
   switch (solved_.status) {
@@ -42,15 +42,14 @@ void OptimizedSolver<T>::solve_implicit() {
   }
 }
 
-/// (v_new, u) of all nodes in the order in which blocks gather them.
+/// The same between two stages: from the fields that are kept, and back.
 template <class T>
-void OptimizedSolver<T>::pack_all() {
-  const int n = static_cast<int>(nodes_.size());
-#pragma omp parallel for num_threads(threads_)
-  for (int i = 0; i < n; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    kernels_.pack_gathered(constants_, nodes_.fields(k), nodes_.gathered(k));
-  }
+void OptimizedSolver<T>::solve_kept_fields() {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) implicit_.motion(k) = nodes_.fields(k);
+  implicit_.remember_v_star(nodes_);
+  solve_implicit();
+  for (std::size_t k = 0; k < nodes_.size(); ++k)
+    static_cast<NodeMotion<T>&>(nodes_.fields(k)) = implicit_.motion(k);
 }
 
 template <class T>
@@ -62,8 +61,8 @@ void OptimizedSolver<T>::report_solve(StepReport& report) const {
 
 template void OptimizedSolver<float>::solve_implicit();
 template void OptimizedSolver<double>::solve_implicit();
-template void OptimizedSolver<float>::pack_all();
-template void OptimizedSolver<double>::pack_all();
+template void OptimizedSolver<float>::solve_kept_fields();
+template void OptimizedSolver<double>::solve_kept_fields();
 template void OptimizedSolver<float>::report_solve(StepReport&) const;
 template void OptimizedSolver<double>::report_solve(StepReport&) const;
 

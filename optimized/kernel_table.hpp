@@ -30,8 +30,8 @@ struct KernelTable {
   void (*node_forces)(const StepConstants<T>&, NodeFields<T>&);
   /// Stage 4: v_i* = v_i + Δt (f_i/m_i + g).
   void (*node_velocities_star)(const StepConstants<T>&, NodeFields<T>&);
-  /// (v_new, u = v_new − α v) in the order in which blocks gather them.
-  FaultReport (*pack_gathered)(const StepConstants<T>&, const NodeFields<T>&, T* gathered);
+  /// (v_new, u = v_new − α v) in the order in which blocks gather them; whether v_new is finite.
+  bool (*pack_gathered)(const StepConstants<T>&, const NodeMotion<T>&, T* gathered);
 
   /// The node values around a block, from the 8 node blocks that it meets or, at
   /// the end of a period that is no multiple of 4, region by region.

@@ -129,14 +129,19 @@ inline constexpr int moments_size = tile_nodes * 4 * 8 * tile_row;
 inline constexpr int local_size = tile_nodes * tile_nodes * 8 * tile_row;
 inline constexpr int coefficients_size = 5 * tile_nodes * 3 * 8 * tile_row;
 
-/// The fields of one node block, planar: node (x,y,z) at (4x + y)·4 + z.
+/// What stages 6 to 8 need of one node block, planar: node (x,y,z) at (4x + y)·4 + z.
 template <class T>
-struct NodeFields {
-  T m[nodes_per_block];            ///< m_i
+struct NodeMotion {
+  T m[nodes_per_block];          ///< m_i
+  T v[3][nodes_per_block];       ///< v_iⁿ
+  T v_star[3][nodes_per_block];  ///< v_i*, then v_i^{n+1}
+};
+
+/// All fields of one node block.
+template <class T>
+struct NodeFields : NodeMotion<T> {
   T momentum[3][nodes_per_block];  ///< Σ m_p v_p w_ip
-  T v[3][nodes_per_block];         ///< v_iⁿ
   T f[3][nodes_per_block];         ///< f_i
-  T v_star[3][nodes_per_block];    ///< v_i*, then v_i^{n+1}
 };
 
 /// A box of nodes seen from two sides: tile nodes from `tile` on are a node
@@ -146,20 +151,12 @@ struct Region {
 };
 
 /// Where something stopped being finite (or ran too far): the first place found.
-enum class Fault : int {
-  none,
-  node_velocity,
-  node_force,
-  node_velocity_star,
-  deformation,
-  velocity,
-  position
-};
+enum class Fault : int { none, deformation, velocity, position };
 
 /// What went wrong in a kernel, if anything, and where in its block.
 struct FaultReport {
   Fault fault = Fault::none;
-  int place = -1;  ///< particle in the block or node in the node block
+  int place = -1;  ///< particle in the block
 };
 
 /// What a pass over the particles of a block does; combined by |.

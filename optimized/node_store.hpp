@@ -3,6 +3,7 @@
 /// gathers from where.
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "firn/state.hpp"
@@ -42,6 +43,12 @@ class NodeStore {
   const Lattice& lattice() const { return lattice_; }
 
   T* tile(std::size_t active) const { return tiles_.data() + active * tile_size_; }
+  /// The memory of all tiles for another use, at least `bytes`: they lose what they hold.
+  std::byte* tile_memory(std::size_t bytes) {
+    const std::size_t n = (bytes + sizeof(T) - 1) / sizeof(T);
+    tiles_.require(n, n / 8);
+    return reinterpret_cast<std::byte*>(tiles_.data());
+  }
   T* gathered(std::size_t n) const { return gathered_.data() + n * gathered_size_; }
   const Surroundings& surroundings(std::size_t active) const { return surroundings_[active]; }
   const Share* shares(const NodeBlock& block) const {

@@ -12,33 +12,6 @@
 namespace firn::optimized {
 
 template <class T>
-void ThreadMemory<T>::require(int particles, const KernelTable<T>& kernels) {
-  const auto n = static_cast<std::size_t>(particles) + 2 * page_particles;
-  const bool grown = n > cells.bytes();
-  if (!grown) return;
-  cells.require(n);
-  leavers.require(cells.bytes());
-  const std::size_t records =
-      (cells.bytes() + 63) / 64 * 64 * record_size;  // keeps the rest aligned
-  numbers.require(records + moments_size + local_size + coefficients_size);
-  std::fill_n(numbers.data(), numbers.bytes() / sizeof(T), T(0));
-  node.require(1);
-  sums.require(static_cast<std::size_t>(kernels.sums_size));
-  work.records = numbers.data();
-  work.moments = work.records + records;
-  work.local = work.moments + moments_size;
-  work.coefficients = work.local + local_size;
-  work.cells = cells.data();
-  work.leavers = leavers.data();
-}
-
-template <class T>
-std::size_t ThreadMemory<T>::bytes() const {
-  return numbers.bytes() + sorting.bytes() + cells.bytes() + leavers.bytes() + node.bytes() +
-         sums.bytes();
-}
-
-template <class T>
 OptimizedSolver<T>::OptimizedSolver(const SolverOptions& options)
     : skips_(SkipSet::from_environment()),
       threads_(options.threads),

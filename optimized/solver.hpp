@@ -11,24 +11,9 @@
 #include "optimized/node_store.hpp"
 #include "optimized/particle_store.hpp"
 #include "optimized/skips.hpp"
+#include "optimized/thread_memory.hpp"
 
 namespace firn::optimized {
-
-/// The scratch memory of one thread.
-template <class T>
-struct ThreadMemory {
-  AlignedArray<T> numbers, sorting;
-  AlignedArray<std::uint8_t> cells;
-  AlignedArray<std::int32_t> leavers;
-  AlignedArray<NodeFields<T>> node;
-  AlignedArray<T> sums;
-  std::vector<int> colliders;
-  Workspace<T> work{};
-
-  /// Room for blocks of up to `particles`.
-  void require(int particles, const KernelTable<T>& kernels);
-  std::size_t bytes() const;
-};
 
 template <class T>
 class OptimizedSolver final : public Solver {
@@ -77,7 +62,10 @@ class OptimizedSolver final : public Solver {
   // integration.cpp: step 6 of semi-implicit scenes.
   bool solves() const { return scene_->semi_implicit(); }
   void solve_implicit();
-  void pack_all();
+  void solve_kept_fields();
+  /// What stages 7 and 8 gather, from motion_of(node block).
+  template <class F>
+  void pack_all(const F& motion_of);
   void report_solve(StepReport& report) const;
 
   // staged.cpp: stage by stage, every field kept.
@@ -116,6 +104,18 @@ class OptimizedSolver final : public Solver {
   bool volumes_unknown_ = false;  ///< some V_p0 is 0
   bool volumes_found_ = false;    ///< this step has estimated some
 };
+
+template <class T>
+template <class F>
+void OptimizedSolver<T>::pack_all(const F& motion_of) {
+  const int n = static_cast<int>(nodes_.size());
+#pragma omp parallel for num_threads(threads_)
+  for (int i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const NodeMotion<T>& motion = motion_of(k);
+    kernels_.pack_gathered(constants_, motion, nodes_.gathered(k));
+  }
+}
 
 extern template class OptimizedSolver<float>;
 extern template class OptimizedSolver<double>;

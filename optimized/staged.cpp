@@ -46,7 +46,7 @@ void OptimizedSolver<T>::run(Stage stage) {
       require_finite(stage, &NodeFields<T>::v_star);
       break;
     case Stage::integration:
-      if (solves()) solve_implicit();
+      if (solves()) solve_kept_fields();
       integration();
       break;
     case Stage::deformation:
@@ -171,7 +171,7 @@ void OptimizedSolver<T>::grid_forces() {
 /// Step 6, explicit: v^{n+1} = v*; and what the gather reads.
 template <class T>
 void OptimizedSolver<T>::integration() {
-  pack_all();
+  pack_all([&](std::size_t k) -> const NodeMotion<T>& { return nodes_.fields(k); });
   gathered_stale_ = false;
   require_finite(Stage::integration, &NodeFields<T>::v_star);
 }

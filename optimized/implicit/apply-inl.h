@@ -76,11 +76,11 @@ HWY_INLINE AxisPosition<T> axis_position_as(const S* slot) {
   }
 }
 
-/// The vector of particles from number i on, in cell order.
+/// The factors of particles from number i on.
 template <class S>
-HWY_INLINE const S* hessian_vector(const S* chunks, int i) {
+HWY_INLINE S* factors_of(S* factors, int i) {
   constexpr int chunk = chunk_lanes<S>;
-  return chunks + i / chunk * (hessian_slots * chunk) + i % chunk;
+  return factors + i / chunk * (hessian_slots * chunk) + i % chunk;
 }
 
 /// V, Δ and S of the local values: [x 1…5][y][V, Δ, S][row][z][channel].
@@ -134,23 +134,36 @@ HWY_INLINE void gather_gradient(const ZKernel<T>& kernel, const T* record, const
   }
 }
 
-/// Records of a vector of particles from number i on: weights and V_p0 A F_Eᵀ.
+/// Asks for what act() reads of the particles from number i on, if there are any: single
+/// lines of the store, which the hardware does not see coming.
+template <class S>
+HWY_INLINE void prefetch_particles(const HessianBlock<S>& block, int i) {
+  if (i >= block.particles.count) return;
+  const S* const q = vector_of(block.particles, block.slots, i);
+  for (const int slot : {slot_x + 0, slot_x + 1, slot_x + 2, slot_stiffness + 0})
+    hwy::Prefetch(q + slot * chunk_lanes<S>);
+}
+
+/// Records of a vector of particles from number i on: weights and V_p0 A F_Eᵀ. The first
+/// record is that of particle `first`.
 template <class T, class S>
-HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int i,
+HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int i, int first,
                     const HessianScratch<T>& work) {
   constexpr int L = lane_count<T>, C = channels<T>, chunk = chunk_lanes<S>;
   constexpr int stride = L * row_size<T>;
   const Lanes<T> d;
   const IntLanes<T> di;
-  const S* q = hessian_vector(block.chunks, i);
-  const int count = block.begin[nodes_per_block];
+  const S* const q = vector_of(block.particles, block.slots, i);
+  const S* const f = factors_of(block.factors, i);
+  const int count = block.particles.count;
   const int n = count - i < L ? count - i : L;
+  if (i % chunk == 0) prefetch_particles(block, i + 2 * chunk);
   T* to[L];
-  for (int l = 0; l < L; ++l) to[l] = work.records + (i + l) * record_size;
+  for (int l = 0; l < L; ++l) to[l] = work.records + (i - first + l) * record_size;
 
-  const auto x = axis_position_as<T>(q + hessian_x * chunk);
-  const auto y = axis_position_as<T>(q + (hessian_x + 1) * chunk);
-  const auto z = axis_position_as<T>(q + (hessian_x + 2) * chunk);
+  const auto x = axis_position_as<T>(q + slot_x * chunk);
+  const auto y = axis_position_as<T>(q + (slot_x + 1) * chunk);
+  const auto z = axis_position_as<T>(q + (slot_x + 2) * chunk);
   const auto wx = axis_weights<T>(x.t, x.o), wy = axis_weights<T>(y.t, y.o);
   store_quads<T>(wy.w[0], wy.w[1], wy.w[2], wy.w[3], to, record_w_y);
   store_quads<T>(wy.d[0], wy.d[1], wy.d[2], wy.d[3], to, record_d_y);
@@ -178,14 +191,14 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
       for (int c = 0; c < C && r * C + c < 3; ++c) gradient.m[3 * (r * C + c) + axis] = out[c];
     }
 
-  const auto slot = [&](int s) HWY_ATTR { return load_as<T>(q + s * chunk); };
+  const auto slot = [&](int s) HWY_ATTR { return load_as<T>(f + s * chunk); };
   const auto symmetric = [&](int s) HWY_ATTR {
     return kn::Sym3<Vec<T>>{slot(s),     slot(s + 1), slot(s + 2),
                             slot(s + 3), slot(s + 4), slot(s + 5)};
   };
   const kn::HessianFactors<Vec<T>> factors = {symmetric(hessian_stretch), symmetric(hessian_K),
-                                              slot(hessian_shear), slot(hessian_volume),
-                                              slot(hessian_transposed)};
+                                              load_as<T>(q + slot_stiffness * chunk),
+                                              slot(hessian_volume), slot(hessian_transposed)};
   const auto A = kn::hessian_action(factors, gradient);
   const auto zero = hn::Zero(d);
   store_quads<T>(A(0, 0), A(1, 0), A(2, 0), zero, to, hessian_record_x);
@@ -301,15 +314,20 @@ void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, 
   const ZKernel<T> kernel;
   const Lanes<T> d;
   constexpr int slab = tile_nodes * 4 * vector_row<T>;
-  int done = 0;  // particles whose records are written
+  int first = 0, done = 0;  // there are records of particles first … done − 1
   for (int x = 0; x < block_cells; ++x) {
     const std::int32_t* begin = block.begin + 16 * x;
-    for (; done < begin[16]; done += lane_count<T>) act<T>(kernel, block, done, work);
+    // The slab before is over; its last vector may have held some of this one.
+    const T* from = work.records + (begin[0] - first) * record_size;
+    for (int i = 0; i < (done - begin[0]) * record_size; ++i) work.records[i] = from[i];
+    first = begin[0];
+    for (; done < begin[16]; done += lane_count<T>) act<T>(kernel, block, done, first, work);
     const bool any = begin[16] > begin[0];
     if (any) {
       for (int i = 0; i < slab; i += lane_count<T>) hn::Store(hn::Zero(d), d, work.moments + i);
       for (int c = 0; c < 16; ++c)
-        scatter_cell(kernel, work.records + begin[c] * record_size, begin[c + 1] - begin[c],
+        scatter_cell(kernel, work.records + (begin[c] - first) * record_size,
+                     begin[c + 1] - begin[c],
                      work.moments + c / 4 * 4 * vector_row<T> + c % 4 * channels<T>);
     }
     finish_planes(work.moments, x, any, tile);

@@ -46,10 +46,9 @@ struct FieldKernels {
 /// What only the storage type matters for.
 template <class S>
 struct SetupKernels {
-  /// The particles of a block in cell order with their factors. `cells` and `begin` are
-  /// written, too.
+  /// The factors of a block's particles. `cells` and `begin` are written, too.
   void (*factors)(const BlockView<S>&, const StepConstants<S>&, std::uint8_t* cells,
-                  std::int32_t* begin, S* chunks);
+                  std::int32_t* begin, S* factors);
 };
 
 const HessianKernels<float, float>& hessian_float();

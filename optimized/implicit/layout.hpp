@@ -8,33 +8,38 @@
 
 namespace firn::optimized {
 
-/// What the Hessian's action needs of a particle; positions do not change during a
-/// solve, so particles lie in cell order. In chunks, as in ParticleStore.
+/// What the Hessian's action needs of a particle beside its position and slot_stiffness,
+/// 2μ V_p0, which are read where they lie. In chunks, as in ParticleStore.
 enum HessianSlot : int {
-  hessian_x = 0,           ///< position inside the block (3)
-  hessian_stretch = 3,     ///< left stretch √(F_E F_Eᵀ): 00 01 02 11 12 22 (6)
-  hessian_K = 9,           ///< (tr(stretch) I − stretch)⁻¹ (6)
-  hessian_shear = 15,      ///< 2μ V_p0 [J]
-  hessian_volume = 16,     ///< λ(J² + (J−1)J) V_p0 [J]
-  hessian_transposed = 17  ///< λ(J−1)J V_p0 [J]
+  hessian_stretch = 0,     ///< left stretch √(F_E F_Eᵀ): 00 01 02 11 12 22 (6)
+  hessian_K = 6,           ///< (tr(stretch) I − stretch)⁻¹ (6)
+  hessian_volume = 12,     ///< λ(J² + (J−1)J) V_p0 [J]
+  hessian_transposed = 13  ///< λ(J−1)J V_p0 [J]
 };
-inline constexpr int hessian_slots = 18;
+inline constexpr int hessian_slots = 14;
 
-/// The particles of one block as the operator sees them.
+/// The particles of one block, which lie in cell order, as the operator sees them.
 template <class S>
 struct HessianBlock {
-  S* chunks;
+  BlockView<S> particles;
+  int slots;                  ///< per particle
+  const S* factors;           ///< chunks of hessian_slots
   const std::int32_t* begin;  ///< where each of the 64 cells begins, and the end
 };
 
 /// Scratch memory of one thread for applying the operator in type T.
 template <class T>
 struct HessianScratch {
-  T* records;       ///< record_size per particle
+  T* records;       ///< record_size per particle of an x-slab, and of a vector more
   T* moments;       ///< one x-slab of the scatter
   T* local;         ///< the node values around a block
   T* coefficients;  ///< their difference form
 };
+
+/// The largest of these for a vector field, in up to 4 channels.
+inline constexpr int vector_moments_size = tile_nodes * 4 * 4 * tile_row;
+inline constexpr int vector_local_size = tile_nodes * tile_nodes * 4 * tile_row;
+inline constexpr int vector_coefficients_size = 5 * tile_nodes * 3 * 4 * tile_row;
 
 /// A vector at the nodes of one node block, planar: [axis][node].
 inline constexpr int field_size = 3 * nodes_per_block;

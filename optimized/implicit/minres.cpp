@@ -27,36 +27,39 @@ double ImplicitSystem<S>::sum_over_nodes(const F& f) {
 #pragma omp parallel for num_threads(threads_) schedule(static)
   for (int i = 0; i < n; ++i)
     partial_[static_cast<std::size_t>(i)] =
-        f(static_cast<std::size_t>(i), thread_[static_cast<std::size_t>(omp_get_thread_num())]);
+        f(static_cast<std::size_t>(i), sums_[static_cast<std::size_t>(omp_get_thread_num())]);
   double sum = 0;
   for (int i = 0; i < n; ++i) sum += partial_[static_cast<std::size_t>(i)];
   return sum;
 }
 
-/// r = P (v* − B v) in double; returns its norm squared.
+/// z_ = P (v* − B v), found in double, in units of `unit`; returns its norm squared, without
+/// these.
 template <class S>
-double ImplicitSystem<S>::residual() {
+double ImplicitSystem<S>::residual(double unit) {
   const HessianKernels<double, S>& kernels = hessian_kernels<double, S>();
-  sum_over_nodes([&](std::size_t n, Thread&) {
-    kernels.pack(v_.data() + n * field_size, gathered<double>(n));
+  sum_over_nodes([&](std::size_t n, Sums&) {
+    kernels.pack(v_ + n * field_size, gathered<double>(n));
     return 0.0;
   });
   apply<double>();
-  return sum_over_nodes([&](std::size_t n, Thread& thread) {
-    const double* const Hv = applied<double>(n, thread);
-    const double* const v = v_.data() + n * field_size;
-    double* const r = residual_.data() + n * field_size;
-    const NodeFields<S>& node = nodes_->fields(n);
+  return sum_over_nodes([&](std::size_t n, Sums& sums) {
+    const double* const Hv = applied<double>(n, sums);
+    const double* const v = v_ + n * field_size;
+    alignas(cache_line) double r[field_size];
+    const NodeMotion<S>& node = motion_[n];
     for (int a = 0; a < 3; ++a)
       for (int k = 0; k < nodes_per_block; ++k) {
         const int i = a * nodes_per_block + k;
         const auto m = static_cast<double>(node.m[k]);
         r[i] = m > 0 ? static_cast<double>(node.v_star[a][k]) - v[i] - factor_ * Hv[i] / m : 0.0;
       }
-    if (held(n)) field_kernels<double>().project(exact_projector_.data() + n * matrix_size, r);
+    if (const double* const P = exact_projector(n)) field_kernels<double>().project(P, r);
     double sum = 0;
-    for (int i = 0; i < field_size; ++i)
+    for (int i = 0; i < field_size; ++i) {
       sum += static_cast<double>(node.m[i % nodes_per_block]) * r[i] * r[i];
+      block(z_, n)[i] = static_cast<S>(r[i] / unit);
+    }
     return sum;
   });
 }
@@ -65,15 +68,18 @@ double ImplicitSystem<S>::residual() {
 /// self-adjoint; nothing is asked of its definiteness. The reference's minres.cpp has the
 /// derivation; here the Lanczos vectors z stay unnormalised, and β is divided out later.
 template <class S>
-void ImplicitSystem<S>::minres(double target, std::int64_t max_iterations, SolveReport& report) {
+void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_iterations,
+                               SolveReport& report) {
   const HessianKernels<S, S>& hessian = hessian_kernels<S, S>();
   const FieldKernels<S>& fields = field_kernels<S>();
-  sum_over_nodes([&](std::size_t n, Thread&) {
-    for (const AlignedArray<S>* zero : {&z_last_, &w_last_, &w_, &d_})
-      std::fill_n(block(*zero, n), field_size, S(0));
-    hessian.pack(block(z_, n), gathered<S>(n));
+  sum_over_nodes([&](std::size_t n, Sums&) {
+    for (S* const zero : {z_last_, w_last_, w_, d_}) std::fill_n(block(zero, n), field_size, S(0));
+    S* const r = block(z_, n);
+    for (int i = 0; i < field_size; ++i) r[i] = static_cast<S>(scale * static_cast<double>(r[i]));
+    hessian.pack(r, gathered<S>(n));
     return 0.0;
   });
+  S *z = z_, *z_last = z_last_, *w = w_, *w_last = w_last_;
   double beta = 1, beta_last = 1;  // norms of z and z_last
   double residual = 1;             // with a sign
   double c_last = 1, c = 1, s_last = 0, s = 0;
@@ -82,15 +88,15 @@ void ImplicitSystem<S>::minres(double target, std::int64_t max_iterations, Solve
     ++report.iterations;
     apply<S>();
     const double ratio = k == 0 ? 0 : beta / beta_last;
-    const double alpha = sum_over_nodes([&](std::size_t n, Thread& thread) {
-      return fields.multiply(block(z_, n), applied<S>(n, thread), nodes_->fields(n).m, factor_,
-                             1 / beta, ratio, block(z_last_, n));
+    const double alpha = sum_over_nodes([&](std::size_t n, Sums& sums) {
+      return fields.multiply(block(z, n), applied<S>(n, sums), motion_[n].m, factor_, 1 / beta,
+                             ratio, block(z_last, n));
     });
-    const double beta_next = std::sqrt(sum_over_nodes([&](std::size_t n, Thread&) {
-      S* const z = block(z_last_, n);
+    const double beta_next = std::sqrt(sum_over_nodes([&](std::size_t n, Sums&) {
+      S* const next = block(z_last, n);
       const double square =
-          fields.subtract(alpha / beta, block(z_, n), projector(n), nodes_->fields(n).m, z);
-      hessian.pack(z, gathered<S>(n));
+          fields.subtract(alpha / beta, block(z, n), projector(n), motion_[n].m, next);
+      hessian.pack(next, gathered<S>(n));
       return square;
     }));
     const double off_diagonal = k == 0 ? 0 : beta;
@@ -106,15 +112,15 @@ void ImplicitSystem<S>::minres(double target, std::int64_t max_iterations, Solve
     s_last = s;
     c = delta / rho_1;
     s = beta_next / rho_1;
-    sum_over_nodes([&](std::size_t n, Thread&) {
-      fields.advance(block(z_, n), 1 / (beta * rho_1), rho_3 / rho_1, rho_2 / rho_1, c * residual,
-                     block(w_, n), block(w_last_, n), block(d_, n));
+    sum_over_nodes([&](std::size_t n, Sums&) {
+      fields.advance(block(z, n), 1 / (beta * rho_1), rho_3 / rho_1, rho_2 / rho_1, c * residual,
+                     block(w, n), block(w_last, n), block(d_, n));
       return 0.0;
     });
     residual *= -s;
     if (!(beta_next > 0)) return;  // the Krylov space is exhausted: d is exact
-    std::swap(w_last_, w_);
-    std::swap(z_last_, z_);
+    std::swap(w_last, w);
+    std::swap(z_last, z);
     beta_last = beta;
     beta = beta_next;
   }
@@ -122,20 +128,28 @@ void ImplicitSystem<S>::minres(double target, std::int64_t max_iterations, Solve
 
 template <class S>
 SolveReport ImplicitSystem<S>::solve(double tolerance, std::int64_t max_iterations) {
-  const double v_star_norm = std::sqrt(sum_over_nodes([&](std::size_t n, Thread&) {
-    const NodeFields<S>& node = nodes_->fields(n);
+  const double v_star_norm = std::sqrt(sum_over_nodes([&](std::size_t n, Sums&) {
+    const NodeMotion<S>& node = motion_[n];
     double sum = 0;
     for (int i = 0; i < field_size; ++i) {
-      const auto v = static_cast<double>((&node.v_star[0][0])[i]);
+      const auto v = static_cast<double>(node.v_star[i / nodes_per_block][i % nodes_per_block]);
       v_[n * field_size + static_cast<std::size_t>(i)] = v;
       sum += static_cast<double>(node.m[i % nodes_per_block]) * v * v;
     }
     return sum;
   }));
+  const double mass = sum_over_nodes([&](std::size_t n, Sums&) {
+    double sum = 0;
+    for (const S m : motion_[n].m) sum += static_cast<double>(m);
+    return sum;
+  });
+  // A speed of the scene's size: a small residual is no reason for a float to underflow.
+  const double unit = v_star_norm > 0 ? v_star_norm / std::sqrt(mass) : 1;
+
   SolveReport report;
   double last_size = std::numeric_limits<double>::infinity();
   while (true) {
-    const double size = std::sqrt(residual());
+    const double size = std::sqrt(residual(unit));
     report.residual = size > 0 ? size / v_star_norm : 0;
     if (!std::isfinite(size) || !std::isfinite(report.residual)) {
       report.status = SolveReport::Status::not_finite;
@@ -147,24 +161,17 @@ SolveReport ImplicitSystem<S>::solve(double tolerance, std::int64_t max_iteratio
     if (report.status != SolveReport::Status::converged) return report;
     last_size = size;
 
-    // In units of its size: a small residual is no reason for a float to underflow.
-    sum_over_nodes([&](std::size_t n, Thread&) {
-      for (std::size_t i = n * field_size; i < (n + 1) * field_size; ++i)
-        z_[i] = static_cast<S>(residual_[i] / size);
-      return 0.0;
-    });
-    minres(std::max(tolerance * v_star_norm / size, reduction_per_round<S>),
+    minres(unit / size, std::max(tolerance * v_star_norm / size, reduction_per_round<S>),
            max_iterations - report.iterations, report);
-    sum_over_nodes([&](std::size_t n, Thread&) {
+    sum_over_nodes([&](std::size_t n, Sums&) {
       for (std::size_t i = n * field_size; i < (n + 1) * field_size; ++i)
         v_[i] += size * static_cast<double>(d_[i]);
       return 0.0;
     });
   }
-  sum_over_nodes([&](std::size_t n, Thread&) {
-    NodeFields<S>& node = nodes_->fields(n);
+  sum_over_nodes([&](std::size_t n, Sums&) {
     for (int i = 0; i < field_size; ++i)
-      node.v_star[i / nodes_per_block][i % nodes_per_block] =
+      motion_[n].v_star[i / nodes_per_block][i % nodes_per_block] =
           static_cast<S>(v_[n * field_size + static_cast<std::size_t>(i)]);
     return 0.0;
   });

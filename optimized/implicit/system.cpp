@@ -8,10 +8,24 @@ namespace firn::optimized {
 
 template <class S>
 void ImplicitSystem<S>::release(std::size_t node_blocks) {
-  held_.require(node_blocks);
-  projector_.require(node_blocks * matrix_size);
-  exact_projector_.require(node_blocks * matrix_size);
-  std::fill_n(held_.data(), node_blocks, std::uint8_t(0));
+  motion_.require(node_blocks, node_blocks / 8);
+  held_.require(node_blocks, node_blocks / 8);
+  std::fill_n(held_.data(), node_blocks, nullptr);
+  projectors_in_use_ = 0;
+}
+
+template <class S>
+double* ImplicitSystem<S>::take_projector() {
+  constexpr std::size_t size =
+      matrix_size + (sizeof(S) == sizeof(double) ? 0 : matrix_size * sizeof(S) / sizeof(double));
+  double* projector = nullptr;
+#pragma omp critical(firn_projectors)
+  {
+    if (projectors_in_use_ == projectors_.size())
+      projectors_.push_back(allocate_aligned<double>(size));
+    projector = projectors_[projectors_in_use_++].get();
+  }
+  return projector;
 }
 
 template <class S>
@@ -19,24 +33,24 @@ void ImplicitSystem<S>::set_free_directions(std::size_t n, int k, const Mat3& P)
   const auto set = [&](int node, const Mat3& A) {
     const double entries[6] = {A(0, 0), A(0, 1), A(0, 2), A(1, 1), A(1, 2), A(2, 2)};
     for (int e = 0; e < 6; ++e) {
-      const std::size_t i = n * matrix_size + static_cast<std::size_t>(e * nodes_per_block + node);
-      exact_projector_[i] = entries[e];
-      projector_[i] = static_cast<S>(entries[e]);
+      const int i = e * nodes_per_block + node;
+      held_[n][i] = entries[e];
+      if constexpr (sizeof(S) < sizeof(double))
+        reinterpret_cast<S*>(held_[n] + matrix_size)[i] = static_cast<S>(entries[e]);
     }
   };
-  if (held_[n] == 0) {
+  if (held_[n] == nullptr) {
+    held_[n] = take_projector();
     for (int i = 0; i < nodes_per_block; ++i) set(i, Mat3::Identity());
-    held_[n] = 1;
   }
   set(k, P);
 }
 
 template <class S>
 Mat3 ImplicitSystem<S>::free_directions(std::size_t n, int k) const {
-  if (!held(n)) return Mat3::Identity();
-  const auto at = [&](int e) {
-    return exact_projector_[n * matrix_size + static_cast<std::size_t>(e * nodes_per_block + k)];
-  };
+  const double* const projector = exact_projector(n);
+  if (projector == nullptr) return Mat3::Identity();
+  const auto at = [&](int e) { return projector[e * nodes_per_block + k]; };
   Mat3 P;
   P << at(0), at(1), at(2), at(1), at(3), at(4), at(2), at(4), at(5);
   return P;
@@ -50,25 +64,41 @@ void ImplicitSystem<S>::remember_v_star(const NodeStore<S>& nodes) {
 }
 
 template <class S>
-void ImplicitSystem<S>::assemble(const ParticleStore<S>& particles, NodeStore<S>& nodes,
-                                 const StepConstants<S>& step, double factor) {
+void ImplicitSystem<S>::assemble(ParticleStore<S>& particles, NodeStore<S>& nodes,
+                                 const StepConstants<S>& step, double factor,
+                                 std::vector<ThreadMemory<S>>& memory) {
   particles_ = &particles;
   nodes_ = &nodes;
+  memory_ = &memory;
+  slots_ = step.slots;
   factor_ = factor;
-  const std::size_t n = nodes.size();
-  v_.require(n * field_size), residual_.require(n * field_size), partial_.require(n);
-  for (AlignedArray<S>* field : {&z_last_, &z_, &w_last_, &w_, &d_}) field->require(n * field_size);
-  thread_.resize(static_cast<std::size_t>(threads_));
-  for (Thread& thread : thread_) {
-    const auto particles_at_most = static_cast<std::size_t>(particles.largest_block());
-    thread.cells.require(particles_at_most + 2 * page_particles);
-    thread.numbers.require((particles_at_most + 2 * page_particles) * record_size + moments_size +
-                           local_size + coefficients_size);
-    // Spare lanes read what was never written: any number will do, but a number.
-    std::fill_n(thread.numbers.data(), thread.numbers.bytes() / sizeof(double), 0.0);
-    thread.field.require(static_cast<std::size_t>(local_size + field_size));
-  }
+  partial_.require(nodes.size(), nodes.size() / 8);
+  sums_.resize(static_cast<std::size_t>(threads_));
+  lay_out_vectors();
   factor_particles(step);
+  make_room_for_records();
+}
+
+/// [v | z | the operator's tiles in S | z_last, w_last, w, d]. An application in double, to
+/// find a residual, may take the place of the last four for its tiles: they live between two
+/// residuals only.
+template <class S>
+void ImplicitSystem<S>::lay_out_vectors() {
+  const std::size_t n = node_blocks() * field_size, active = particles_->active().size();
+  const auto tiles = [&](int tile_size, std::size_t number) {
+    return (active * static_cast<std::size_t>(tile_size) * number + cache_line - 1) / cache_line *
+           cache_line;
+  };
+  const std::size_t in_S = tiles(hessian_kernels<S, S>().tile_size, sizeof(S));
+  const std::size_t in_double = tiles(hessian_kernels<double, S>().tile_size, sizeof(double));
+  const std::size_t front = n * (sizeof(double) + sizeof(S));
+  std::byte* const memory =
+      nodes_->tile_memory(front + std::max(in_S + 4 * n * sizeof(S), in_double));
+  v_ = reinterpret_cast<double*>(memory);
+  z_ = reinterpret_cast<S*>(v_ + n);
+  tiles_ = memory + front;
+  S* last = reinterpret_cast<S*>(tiles_ + in_S);
+  for (S** field : {&z_last_, &w_last_, &w_, &d_}) *field = last, last += n;
 }
 
 template <class S>
@@ -81,34 +111,57 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
     const auto count = static_cast<std::size_t>(particles_->block(active[a]).count);
     first_[a + 1] = first_[a] + (count + lanes - 1) / lanes * lanes * hessian_slots;
   }
-  // Only the lanes left over in each block's last chunk vary: half of it in spare would be waste.
-  chunks_.require(first_.back(), first_.back() / 16);
-  begin_.require(active.size() * (nodes_per_block + 1));
+  // Whichever blocks the particles are in: lanes are left over in each block's last chunk.
+  factors_.require((particles_->size() + active.size() * (lanes - 1)) * hessian_slots,
+                   active.size() / 8 * lanes * hessian_slots);
+  begin_.require(active.size() * (nodes_per_block + 1), active.size() * nodes_per_block / 8);
   const SetupKernels<S>& kernels = setup_kernels<S>();
   const int n = static_cast<int>(active.size());
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
   for (int i = 0; i < n; ++i) {
     const auto a = static_cast<std::size_t>(i);
-    const Block<S>& block = particles_->block(active[a]);
-    S* const chunks = chunks_.data() + first_[a];
-    // Lanes behind the last particle compute harmless numbers.
-    const std::size_t last_chunk = lanes * hessian_slots;
-    std::fill_n(chunks_.data() + first_[a + 1] - last_chunk, last_chunk, S(0));
-    kernels.factors(particles_->view(block), step,
-                    thread_[static_cast<std::size_t>(omp_get_thread_num())].cells.data(),
-                    begin_.data() + a * (nodes_per_block + 1), chunks);
+    ThreadMemory<S>& memory = (*memory_)[static_cast<std::size_t>(omp_get_thread_num())];
+    Block<S>& block = particles_->block(active[a]);
+    // A sort keeps the order within a cell, and with it every sum of stages 1 to 5.
+    particles_->sort(block, memory.sorting);
+    kernels.factors(particles_->view(block), step, memory.cells.data(),
+                    begin_.data() + a * (nodes_per_block + 1), factors_.data() + first_[a]);
   }
+}
+
+/// Each thread's workspace of the explicit step serves the operator, in double as in S. The
+/// records of one slab fit most often.
+template <class S>
+void ImplicitSystem<S>::make_room_for_records() {
+  std::int32_t largest = 0;
+  for (std::size_t a = 0; a < particles_->active().size(); ++a) {
+    const std::int32_t* begin = begin_.data() + a * (nodes_per_block + 1);
+    for (int x = 0; x < block_cells; ++x, begin += 16)
+      largest = std::max(largest, begin[16] - begin[0]);
+  }
+  const auto records = static_cast<std::size_t>(largest + 2 * page_particles) * record_size;
+  const std::size_t in_double =
+      vector_moments_size + vector_local_size + vector_coefficients_size + records;
+  const std::size_t n = in_double * (sizeof(double) / sizeof(S));
+  for (ThreadMemory<S>& memory : *memory_) memory.require_numbers(n, n / 8);
 }
 
 template <class S>
 template <class T>
-HessianScratch<T> ImplicitSystem<S>::scratch(Thread& thread) const {
+HessianScratch<T> ImplicitSystem<S>::scratch() const {
   HessianScratch<T> s;
-  s.moments = reinterpret_cast<T*>(thread.numbers.data());
-  s.local = s.moments + moments_size;
-  s.coefficients = s.local + local_size;
-  s.records = s.coefficients + coefficients_size;
+  s.moments = reinterpret_cast<T*>(
+      (*memory_)[static_cast<std::size_t>(omp_get_thread_num())].numbers.data());
+  s.local = s.moments + vector_moments_size;
+  s.coefficients = s.local + vector_local_size;
+  s.records = s.coefficients + vector_coefficients_size;
   return s;
+}
+
+template <class S>
+HessianBlock<S> ImplicitSystem<S>::particles_of(std::size_t active) const {
+  return {particles_->view(particles_->block(particles_->active()[active])), slots_,
+          factors_.data() + first_[active], begin_.data() + active * (nodes_per_block + 1)};
 }
 
 template <class S>
@@ -119,8 +172,7 @@ void ImplicitSystem<S>::apply() {
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
   for (int i = 0; i < n; ++i) {
     const auto a = static_cast<std::size_t>(i);
-    const HessianScratch<T> work =
-        scratch<T>(thread_[static_cast<std::size_t>(omp_get_thread_num())]);
+    const HessianScratch<T> work = scratch<T>();
     const Surroundings& s = nodes_->surroundings(a);
     if (s.first_region < 0) {
       const T* from[8];
@@ -135,36 +187,33 @@ void ImplicitSystem<S>::apply() {
       }
     }
     kernels.difference(work);
-    kernels.apply({chunks_.data() + first_[a], begin_.data() + a * (nodes_per_block + 1)}, work,
-                  reinterpret_cast<T*>(nodes_->tile(a)));
+    kernels.apply(particles_of(a), work, tile<T>(a));
   }
 }
 
 template <class S>
 template <class T>
-const T* ImplicitSystem<S>::applied(std::size_t n, Thread& thread) const {
+const T* ImplicitSystem<S>::applied(std::size_t n, Sums& thread) const {
   const HessianKernels<T, S>& kernels = hessian_kernels<T, S>();
-  T* const field = reinterpret_cast<T*>(thread.field.data());
-  T* const sums = field + field_size;
+  T* const sums = reinterpret_cast<T*>(thread.interleaved);
+  T* const planar = reinterpret_cast<T*>(thread.planar);
   std::fill_n(sums, kernels.sums_size, T(0));
   const NodeBlock& block = nodes_->block(n);
   const Share* share = nodes_->shares(block);
   for (int k = 0; k < block.share_count; ++k)
-    kernels.add_tile(
-        reinterpret_cast<const T*>(nodes_->tile(static_cast<std::size_t>(share[k].tile_number))),
-        share[k].region, sums);
-  kernels.planar(sums, field);
-  return field;
+    kernels.add_tile(tile<T>(static_cast<std::size_t>(share[k].tile_number)), share[k].region,
+                     sums);
+  kernels.planar(sums, planar);
+  return planar;
 }
 
 template <class S>
 std::size_t ImplicitSystem<S>::bytes() const {
-  std::size_t sum = chunks_.bytes() + begin_.bytes() + held_.bytes() + projector_.bytes() +
-                    exact_projector_.bytes() + v_.bytes() + residual_.bytes() + partial_.bytes() +
-                    v_star_.bytes();
-  for (const AlignedArray<S>* field : {&z_last_, &z_, &w_last_, &w_, &d_}) sum += field->bytes();
-  for (const Thread& t : thread_) sum += t.numbers.bytes() + t.field.bytes() + t.cells.bytes();
-  return sum;
+  constexpr std::size_t projector =
+      matrix_size * (sizeof(S) == sizeof(double) ? sizeof(S) : sizeof(S) + sizeof(double));
+  return factors_.bytes() + first_.capacity() * sizeof(first_[0]) + begin_.bytes() +
+         motion_.bytes() + held_.bytes() + projectors_.size() * projector +
+         sums_.size() * sizeof(Sums) + partial_.bytes() + v_star_.bytes();
 }
 
 template class ImplicitSystem<float>;
@@ -172,8 +221,8 @@ template class ImplicitSystem<double>;
 template void ImplicitSystem<float>::apply<float>();
 template void ImplicitSystem<float>::apply<double>();
 template void ImplicitSystem<double>::apply<double>();
-template const float* ImplicitSystem<float>::applied<float>(std::size_t, Thread&) const;
-template const double* ImplicitSystem<float>::applied<double>(std::size_t, Thread&) const;
-template const double* ImplicitSystem<double>::applied<double>(std::size_t, Thread&) const;
+template const float* ImplicitSystem<float>::applied<float>(std::size_t, Sums&) const;
+template const double* ImplicitSystem<float>::applied<double>(std::size_t, Sums&) const;
+template const double* ImplicitSystem<double>::applied<double>(std::size_t, Sums&) const;
 
 }  // namespace firn::optimized

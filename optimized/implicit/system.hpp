@@ -1,8 +1,11 @@
 #pragma once
 /// The linear system of the semi-implicit update on blocks and tiles,
 ///   B v = v*,   B v = v + βΔt² M⁻¹H v   (Stomakhin et al. 2013, section 6),
-/// without a matrix: what a particle needs is found once per step (15 numbers and its
-/// position, in cell order), and applying H is one gather and one scatter.
+/// without a matrix: what a particle needs is found once per step (14 numbers beside what
+/// it has), and applying H is one gather and one scatter.
+///
+/// Memory: the factors, and m, vⁿ and v* of every node. The vectors of the solve lie in the
+/// tiles of the explicit step, of which the operator takes the smaller half.
 
 #include <cstdint>
 #include <vector>
@@ -11,6 +14,7 @@
 #include "optimized/memory.hpp"
 #include "optimized/node_store.hpp"
 #include "optimized/particle_store.hpp"
+#include "optimized/thread_memory.hpp"
 
 namespace firn::optimized {
 
@@ -25,12 +29,20 @@ struct SolveReport {
 
 template <class S>
 class ImplicitSystem {
+  /// Where a thread adds up the tiles around a node block: a vector field, interleaved in up
+  /// to 4 channels and planar.
+  struct alignas(cache_line) Sums {
+    double interleaved[4 * nodes_per_block], planar[field_size];
+  };
+
  public:
   explicit ImplicitSystem(int threads) : threads_(threads) {}
 
-  // Contact: the directions that stage 5 leaves free.
+  // What the stages before leave.
 
-  /// Everything is free.
+  /// m, vⁿ and v* of a node block; v^{n+1} after the solve.
+  NodeMotion<S>& motion(std::size_t n) const { return motion_[n]; }
+  /// Room for the nodes; all their directions are free.
   void release(std::size_t node_blocks);
   /// Node k of node block n. Different node blocks may be set at the same time.
   void set_free_directions(std::size_t n, int k, const Mat3& P);
@@ -38,13 +50,16 @@ class ImplicitSystem {
 
   // The solve.
 
-  /// Linearizes about the particles' F_E. `factor` is βΔt²/h².
-  void assemble(const ParticleStore<S>& particles, NodeStore<S>& nodes,
-                const StepConstants<S>& step, double factor);
+  /// Linearizes about the particles' F_E, and puts each block's particles in cell order.
+  /// `factor` is βΔt²/h². The tiles lose what they hold.
+  void assemble(ParticleStore<S>& particles, NodeStore<S>& nodes, const StepConstants<S>& step,
+                double factor, std::vector<ThreadMemory<S>>& memory);
 
   /// Solves B v = v* along the free directions, from v*. On success v_star of the node
-  /// fields is the solution; otherwise nothing has changed.
+  /// blocks is the solution; otherwise nothing has changed.
   SolveReport solve(double tolerance, std::int64_t max_iterations);
+
+  // Between two stages only.
 
   /// v_i* of node block n as it was remembered, [axis][node].
   S* v_star(std::size_t n) const { return v_star_.data() + n * field_size; }
@@ -53,66 +68,79 @@ class ImplicitSystem {
   std::size_t bytes() const;
 
  private:
-  /// Scratch memory of one thread.
-  struct Thread {
-    AlignedArray<double> numbers, field;
-    AlignedArray<std::uint8_t> cells;
-  };
-
   std::size_t node_blocks() const { return nodes_->size(); }
-  bool held(std::size_t n) const { return held_[n] != 0; }
-  /// Of a node block with a node that is not free; else null.
+  /// Of a node block with a node that is not free; else null. One rounded to float no longer
+  /// keeps the held directions out of the residual, where no search direction could reduce
+  /// them: hence two.
+  const double* exact_projector(std::size_t n) const { return held_[n]; }
   const S* projector(std::size_t n) const {
-    return held(n) ? projector_.data() + n * matrix_size : nullptr;
+    const bool in_double = sizeof(S) == sizeof(double);
+    return held_[n] == nullptr
+               ? nullptr
+               : reinterpret_cast<const S*>(held_[n] + (in_double ? 0 : matrix_size));
   }
-  S* block(const AlignedArray<S>& field, std::size_t n) const {
-    return field.data() + n * field_size;
-  }
+  double* take_projector();
+  static S* block(S* field, std::size_t n) { return field + n * field_size; }
 
+  void lay_out_vectors();
   void factor_particles(const StepConstants<S>& step);
+  void make_room_for_records();
+  HessianBlock<S> particles_of(std::size_t active) const;
 
   // The operator in type T, on what was packed.
   template <class T>
   T* gathered(std::size_t n) const {
     return reinterpret_cast<T*>(nodes_->gathered(n));
   }
+  /// Of this thread.
   template <class T>
-  HessianScratch<T> scratch(Thread& thread) const;
+  HessianScratch<T> scratch() const;
+  template <class T>
+  T* tile(std::size_t active) const {
+    return reinterpret_cast<T*>(tiles_) +
+           active * static_cast<std::size_t>(hessian_kernels<T, S>().tile_size);
+  }
   /// H times what was packed, onto the tiles.
   template <class T>
   void apply();
   /// The tiles' sum at node block n: h² times H of what was packed, planar.
   template <class T>
-  const T* applied(std::size_t n, Thread& thread) const;
+  const T* applied(std::size_t n, Sums& sums) const;
 
-  /// Σ over node blocks of f(n, thread), added in their order.
+  /// Σ over node blocks of f(n, sums of this thread), added in their order.
   template <class F>
   double sum_over_nodes(const F& f);
 
-  // Refinement: v and its residual in double.
-  double residual();
-  // MINRES in S for B d = r: z_ is the residual divided by its norm.
-  void minres(double target, std::int64_t max_iterations, SolveReport& report);
+  double residual(double unit);
+  // MINRES in S for B d = r: z_ times `scale` is the residual divided by its norm.
+  void minres(double scale, double target, std::int64_t max_iterations, SolveReport& report);
 
   int threads_;
-  const ParticleStore<S>* particles_ = nullptr;
+  ParticleStore<S>* particles_ = nullptr;
   NodeStore<S>* nodes_ = nullptr;
+  std::vector<ThreadMemory<S>>* memory_ = nullptr;
+  int slots_ = 0;
   double factor_ = 0;
 
-  std::vector<Thread> thread_;
-  AlignedArray<S> chunks_;            ///< particles in cell order, block after block
+  AlignedArray<S> factors_;           ///< chunks, block after block
   std::vector<std::size_t> first_;    ///< where each active block's chunks begin
   AlignedArray<std::int32_t> begin_;  ///< 65 numbers for each active block
+  AlignedArray<NodeMotion<S>> motion_;
 
-  AlignedArray<std::uint8_t> held_;  ///< node blocks with a node that is not free
-  /// The projectors of these, [6][64] per node block. One rounded to float no longer keeps the
-  /// held directions out of the residual, where no search direction could reduce them.
-  AlignedArray<double> exact_projector_;
-  AlignedArray<S> projector_;
+  /// Projectors of node blocks with a node that is not free: [6][64] in double, then, if S is
+  /// float, in float; null for the others.
+  AlignedArray<double*> held_;
+  std::vector<AlignedPointer<double>> projectors_;
+  std::size_t projectors_in_use_ = 0;
 
-  AlignedArray<double> v_, residual_;  ///< v and v* − B v
+  // In the tiles' memory, see lay_out_vectors().
+  double* v_ = nullptr;                                                    ///< v
+  S* z_ = nullptr;                                                         ///< Lanczos vector
+  std::byte* tiles_ = nullptr;                                             ///< of the operator
+  S *z_last_ = nullptr, *w_last_ = nullptr, *w_ = nullptr, *d_ = nullptr;  ///< MINRES
+
+  std::vector<Sums> sums_;  ///< of each thread
   AlignedArray<double> partial_;
-  AlignedArray<S> z_last_, z_, w_last_, w_, d_;  ///< MINRES: Lanczos vectors, directions, solution
   AlignedArray<S> v_star_;
 };
 

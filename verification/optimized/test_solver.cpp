@@ -146,6 +146,50 @@ TEST_P(OptimizedSolver, ASteadyStepAllocatesNothing) {
   EXPECT_GT(before, 0) << "the counter is not in use";
 }
 
+/// The same with a solve in every step, nodes held by a collider among them.
+TEST_P(OptimizedSolver, ASteadySolveAllocatesNothing) {
+  Scene scene = periodic_snow(true);
+  scene.integrator = {IntegratorType::semi_implicit, 1.0, 1e-5, 1000};
+  scene.time.step *= 8;
+  const auto solver = optimized(GetParam(), 2);
+  solver->load(scene, initial_state(scene));
+  for (int n = 0; n < 60; ++n) solver->step(scene.time.step);
+  const long before = allocations;
+  std::int64_t iterations = 0;
+  for (int n = 0; n < 20; ++n) iterations += solver->step(scene.time.step).solver_iterations;
+  EXPECT_EQ(allocations - before, 0);
+  EXPECT_GE(iterations, 40) << "nothing was solved";
+}
+
+/// Beyond an explicit run: 14 numbers per particle, and m, vⁿ and v* of the nodes, of which a
+/// block of 12³ cells has one for 2.5 particles. The vectors of the solve lie in the tiles.
+TEST_P(OptimizedSolver, ASolveTakesLittleMemory) {
+  Scene scene;
+  scene.grid.spacing = 0.1;
+  scene.materials = {Material{}};
+  scene.time.step = 4e-4;
+  Body body;
+  body.shape = Box{Vec3(0, 0, 0), Vec3(1.2, 1.2, 1.2)};
+  body.volumes = VolumeSource::exact;
+  scene.bodies = {body};
+  Collider floor;
+  floor.shape = HalfSpace{Vec3(0, 0, 0.15), Vec3(0, 0, 1)};
+  scene.colliders = {floor};
+  const State state = initial_state(scene);
+  const auto bytes = [&](IntegratorType type) {
+    scene.integrator = {type, 1.0, 1e-3, 1000};
+    const auto solver = optimized(GetParam());
+    solver->load(scene, state);
+    for (int n = 0; n < 2; ++n) solver->step(scene.time.step);
+    return solver->bytes_per_particle();
+  };
+  const double more = bytes(IntegratorType::semi_implicit) - bytes(IntegratorType::explicit_euler);
+  const double value = GetParam() == Precision::float64 ? 8 : 4;
+  // 14 + 7/2.5 numbers, and a tenth for spare room, lanes left over and the lists of blocks.
+  EXPECT_LE(more, 1.1 * (14 + 7 / 2.5) * value);
+  EXPECT_GT(more, 14 * value);
+}
+
 /// Whole cells away from the origin the same numbers come out, in float as in double:
 /// positions are kept relative to a block.
 TEST_P(OptimizedSolver, FarFromTheOriginNothingIsLost) {
