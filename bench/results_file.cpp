@@ -83,6 +83,7 @@ void write_case(hid_t file, const Case& result, int session) {
   h5::write_attribute(group, "session", static_cast<double>(session));
   h5::write_attribute(group, "wall_seconds", result.wall_seconds);
   h5::write_attribute(group, "processor_seconds", result.processor_seconds);
+  h5::write_attribute(group, "finished", now_utc());
   const h5::Id parameters = h5::open_or_create_group(group, "parameters");
   write_facts(parameters, result.parameters);
   const h5::Id quantities = h5::open_or_create_group(group, "quantities");

@@ -45,6 +45,12 @@ std::string command_of(const results::Case& result, const Options& options) {
   return text;
 }
 
+/// Named as SUITE/CASE: whoever names one case wants to see it measured.
+bool named(const Options& options, const results::Case& result) {
+  const auto& names = options.suites;
+  return std::find(names.begin(), names.end(), result.suite + "/" + result.name) != names.end();
+}
+
 /// A suite name, SUITE/CASE, or SUITE/PREFIX*.
 bool asked_for(const Options& options, const CasePlan& plan) {
   if (options.suites.empty()) return !options.quick || plan.quick;
@@ -73,15 +79,18 @@ std::vector<CasePlan> plans(const Registry& registry, const Options& options) {
   return chosen;
 }
 
-/// Timings that spread too widely say so instead of giving a number.
+/// Timings whose median is not known well enough say so instead of giving a number.
 void judge(results::Case& result) {
   for (const results::Quantity& quantity : result.quantities) {
     if (!quantity.timed || quantity.values.size() < 3) continue;
-    const double spread = relative_spread(quantity.values);
-    if (spread <= widest_spread) continue;
+    const double error = median_error(quantity.values);
+    if (error <= largest_median_error) continue;
     result.status = results::Status::noisy;
-    result.message = quantity.name + ": half of the repetitions spread over " + percent(spread) +
-                     " of the median, allowed " + percent(widest_spread);
+    result.message = quantity.name + ": " + std::to_string(quantity.values.size()) +
+                     " repetitions, half of them within " +
+                     percent(relative_spread(quantity.values)) +
+                     ", leave the median uncertain by " + percent(error) + ", allowed " +
+                     percent(largest_median_error);
   }
 }
 
@@ -92,10 +101,8 @@ double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-void measure(CasePlan& plan) {
-  results::Case& result = plan.description;
-  const double start = seconds_now(), processor_start = processor_seconds();
-  for (int i = 0; i < 3; ++i) result.calibration.push_back(calibration_loop());
+/// Runs the case and judges it.
+void run_once(const CasePlan& plan, results::Case& result) {
   try {
     plan.run(result);
     if (result.status == results::Status::measured) judge(result);
@@ -103,25 +110,95 @@ void measure(CasePlan& plan) {
     result.status = results::Status::failed;
     result.message = error.what();
   }
+}
+
+/// Adds the repetitions of another run of the same case; what went wrong there went wrong.
+void add_repetitions(const results::Case& again, results::Case& result) {
+  if (again.status == results::Status::invalid || again.status == results::Status::failed) {
+    result = again;
+    return;
+  }
+  for (const results::Quantity& more : again.quantities)
+    for (results::Quantity& quantity : result.quantities)
+      if (quantity.name == more.name)
+        quantity.values.insert(quantity.values.end(), more.values.begin(), more.values.end());
+  result.status = results::Status::measured;
+  result.message.clear();
+  judge(result);
+}
+
+/// A case that comes out noisy is run again, all repetitions kept, up to so many times in
+/// all and as long as it has not taken so long [s]: a disturbance of some seconds passes.
+constexpr int most_runs = 4;
+constexpr double patience = 20;
+
+void measure(CasePlan& plan) {
+  const results::Case fresh = plan.description;
+  results::Case& result = plan.description;
+  const double start = seconds_now(), processor_start = processor_seconds();
+  std::vector<double> calibration;
+  const auto calibrate = [&] {
+    for (int i = 0; i < 3; ++i) calibration.push_back(calibration_loop());
+  };
+  calibrate();
+  run_once(plan, result);
+  for (int runs = 1; runs < most_runs && result.status == results::Status::noisy &&
+                     seconds_now() - start < patience;
+       ++runs) {
+    results::Case again = fresh;
+    run_once(plan, again);
+    add_repetitions(again, result);
+  }
   // A number that failed its validation is not kept, so that nobody quotes it.
   if (result.status == results::Status::invalid || result.status == results::Status::failed)
     result.quantities.clear();
-  for (int i = 0; i < 3; ++i) result.calibration.push_back(calibration_loop());
+  calibrate();
+  result.calibration = calibration;
   result.wall_seconds = seconds_now() - start;
   result.processor_seconds = processor_seconds() - processor_start;
 }
 
-/// "0.25 ns (± 3 %)" of the first quantity, or why there is none.
+/// "time 0.25 ns (spread 3 %)".
+std::string text_of(const results::Quantity& quantity) {
+  std::string text = quantity.name + " " + to_text(three_digits(median(quantity.values))) +
+                     (quantity.units == "1" ? "" : " " + quantity.units);
+  if (quantity.timed) text += " (spread " + percent(relative_spread(quantity.values)) + ")";
+  return text;
+}
+
+/// The first quantity of a case, or why there is none.
 std::string outcome(const results::Case& result) {
   if (result.status != results::Status::measured)
     return std::string(results::name(result.status)) + ": " + result.message;
   if (result.quantities.empty()) return "measured";
-  const results::Quantity& first = result.quantities.front();
-  std::string text =
-      first.name + " " + to_text(three_digits(median(first.values))) + " " + first.units;
-  if (first.timed) text += " (spread " + percent(relative_spread(first.values)) + ")";
-  return text;
+  return text_of(result.quantities.front());
 }
+
+/// How long the rest will take, from what cases usually take (SuiteEntry) and by how much
+/// those so far were slower. Before the first case the usual time is all there is.
+class TimeLeft {
+ public:
+  void expect(const CasePlan& plan) { ahead_ += usual(plan); }
+  void done(const CasePlan& plan, double seconds) {
+    ahead_ -= usual(plan), usual_ += usual(plan), taken_ += seconds;
+  }
+  /// "about 12 min left", "about 40 s left".
+  std::string text() const {
+    // A minute of what is usual beside it: the first few cases are no measure of the machine.
+    const double pace = (taken_ + 60) / (usual_ + 60), left = std::max(0.0, ahead_ * pace);
+    if (left >= 90) return "about " + std::to_string(std::lround(left / 60)) + " min left";
+    return "about " + std::to_string(std::lround(left)) + " s left";
+  }
+
+ private:
+  static double usual(const CasePlan& plan) {
+    for (const SuiteEntry& suite : suites())
+      if (suite.name == plan.description.suite)
+        return plan.quick ? suite.usual_seconds_quick : suite.usual_seconds;
+    return 1;
+  }
+  double ahead_ = 0, usual_ = 0, taken_ = 0;
+};
 
 }  // namespace
 
@@ -141,10 +218,21 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
   const StopOnSignal stop;
   std::size_t number = 0, wrong = 0, measured = 0;
   double seconds = 0;
+  TimeLeft left;
+  const auto skipped = [&](const results::Case& result) {
+    return !options.again && !named(options, result) && file.has(result.suite, result.name);
+  };
+  std::size_t there = 0;
+  for (const CasePlan& plan : chosen)
+    if (skipped(plan.description))
+      ++there;
+    else
+      left.expect(plan);
+  log << file.path() << ": " << chosen.size() << " cases, " << left.text() << "\n";
   for (CasePlan& plan : chosen) {
     ++number;
     results::Case& result = plan.description;
-    if (file.has(result.suite, result.name)) continue;
+    if (skipped(result)) continue;
     result.command = command_of(result, options);
     log << "[" << number << "/" << chosen.size() << "] " << result.suite << "/" << result.name
         << ": " << std::flush;
@@ -157,14 +245,24 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
     }
     wrong += result.status == results::Status::invalid || result.status == results::Status::failed;
     file.append(result);
-    log << outcome(result) << "  [" << three_digits(result.wall_seconds) << " s]\n";
     seconds += result.wall_seconds;
+    left.done(plan, result.wall_seconds);
+    log << outcome(result) << "  [" << three_digits(result.wall_seconds) << " s; " << left.text()
+        << "]\n";
+    if (named(options, result) && result.status == results::Status::measured) {
+      for (const results::Quantity& quantity : result.quantities)
+        log << "    " << text_of(quantity) << ": " << quantity.meaning << "\n";
+      log << "    " << result.validation << "\n";
+    }
     ++measured;
     plan.run = nullptr;  // frees what the case held
   }
   log << file.path() << ": " << chosen.size() << " cases asked for, " << measured
       << " measured now in " << std::lround(seconds) << " s, " << wrong
-      << " of them invalid or failed\n";
+      << " of them invalid or failed"
+      << (there > 0 ? ", " + std::to_string(there) + " were there (--again measures them anew)"
+                    : "")
+      << "\n";
   return wrong == 0 ? 0 : 1;
 }
 

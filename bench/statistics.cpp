@@ -23,6 +23,11 @@ double relative_spread(const std::vector<double>& values) {
   return (quantile(values, 0.75) - quantile(values, 0.25)) / std::abs(median(values));
 }
 
+double median_error(const std::vector<double>& values) {
+  if (values.size() < 3) return std::numeric_limits<double>::infinity();
+  return 1.25 / 1.35 * relative_spread(values) / std::sqrt(static_cast<double>(values.size()));
+}
+
 double three_digits(double value) {
   if (value == 0 || !std::isfinite(value)) return value;
   const double unit = std::pow(10.0, 2 - std::floor(std::log10(std::abs(value))));

@@ -199,10 +199,17 @@ void plan_error(const Registry& registry, const Options& options, const Subject&
       scene.time.step *= f;
       return scene;
     };
-    double seconds = 0, unused = 0;
+    const Scene scene = factor > 1 ? in_large_steps(plain, factor, tolerance) : scaled(factor);
+    double unused = 0;
     const Particles exact = run(scaled(0.125), unused);
-    const Particles found =
-        run(factor > 1 ? in_large_steps(plain, factor, tolerance) : scaled(factor), seconds);
+    Quantity time = quantity("time", "s", "wall time of the steps", false);
+    Particles found;
+    // Short runs three times; a solver is a function, so the error is the same each time.
+    for (double total = 0; time.values.empty() || (time.values.size() < 3 && total < 0.5);) {
+      time.values.push_back(0);
+      found = run(scene, time.values.back());
+      total += time.values.back();
+    }
     double difference = 0, size = 0;
     for (std::size_t p = 0; p < exact.size(); ++p) {
       const Vec3 rigid =
@@ -217,7 +224,7 @@ void plan_error(const Registry& registry, const Options& options, const Subject&
          Quantity::Better::lower,
          {std::sqrt(difference / size)},
          false},
-        {"time", "s", "wall time of the steps", Quantity::Better::lower, {seconds}, false}};
+        time};
     result.validation = "every semi-implicit step met its tolerance";
   };
   plans.push_back(std::move(plan));
@@ -232,10 +239,12 @@ void plan_implicit_suite(const Registry& registry, const Options& options,
     const bool slow = subject.solver == "reference";
     for (const double youngs_modulus : {1.4e5, 1e6, 1e7})
       for (const double factor : {10.0, 50.0, 100.0}) {
-        // 4 k particles for a look, 97 k for the record; the reference does the former only.
+        // 4 k particles everywhere; 97 k show that iterations do not grow with the number, in
+        // steps in which no particle crosses more than about two cells.
         plan_cost(registry, options, subject, youngs_modulus, factor, 8, !slow && factor < 20,
                   plans);
-        if (!slow) plan_cost(registry, options, subject, youngs_modulus, factor, 23, false, plans);
+        if (!slow && (factor < 20 || (youngs_modulus == 1e7 && factor < 100)))
+          plan_cost(registry, options, subject, youngs_modulus, factor, 23, false, plans);
       }
     if (slow) continue;
     for (const double youngs_modulus : {1.4e5, 1e6, 1e7}) {

@@ -3,6 +3,8 @@
 
 #include <cstdlib>
 
+#include "bench/needed_work.hpp"
+#include "bench/probes.hpp"
 #include "bench/skip_situations.hpp"
 #include "bench/suites.hpp"
 #include "bench/timing.hpp"
@@ -124,10 +126,28 @@ void plan_target(const Registry& registry, const Options& options, const Subject
     Timed timed(registry, subject, work);
     Quantity time{"time", "ns", "wall time per particle and step", Quantity::Better::lower,
                   {},     true};
-    for (int i = 0; i < repetitions; ++i)
-      time.values.push_back(1e9 * timed.repetition(0.1) /
-                            static_cast<double>(work.state.particles.size()));
-    result.quantities = {time};
+    Quantity share{"FMA peak",
+                   "1",
+                   "needed operations per second over the multiply-adds per second that this "
+                   "instruction set reached right after",
+                   Quantity::Better::higher,
+                   {},
+                   false};
+    Quantity peak{"peak", "flop/s", "2 flop per lane and multiply-add", Quantity::Better::neither,
+                  {},     false};
+    const NeededWork needed = needed_work(deformation);
+    const bool single = subject.precision == Precision::float32;
+    for (int i = 0; i < repetitions; ++i) {
+      const double seconds =
+          timed.repetition(0.1) / static_cast<double>(work.state.particles.size());
+      // The solver's construction chose the instruction set for the probe, too.
+      const double flops = single ? fma_peak_float(1) : fma_peak_double(1);
+      time.values.push_back(1e9 * seconds);
+      peak.values.push_back(flops);
+      share.values.push_back((needed.to_grid + needed.to_particles) / seconds / (0.5 * flops));
+    }
+    result.parameters.emplace_back("peak_of", instruction_set());
+    result.quantities = {time, share, peak};
   };
   plans.push_back(std::move(plan));
 }

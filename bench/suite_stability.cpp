@@ -19,6 +19,7 @@ struct Point {
   double alpha = 0.95, E = 1.4e5, h = 0.05, J_P = 1, jitter = 0, hardening = 10, beta = 0;
   int per_edge = 2;                      ///< particles per cell edge: 1, 2, 3
   bool lone = false, estimated = false;  ///< volumes found by step 2
+  double place = 0.25;                   ///< of a lone particle in its cell, along each axis [h]
 
   bool semi_implicit() const { return beta > 0; }
 };
@@ -36,19 +37,41 @@ double sound_speed(const Point& point) {
   return std::sqrt(hardening * (m.lambda_0() + 2 * m.mu_0()) / m.density);
 }
 
+/// N and N' of the cubic B-spline (Stomakhin et al. 2013, §4).
+struct Spline {
+  double N, slope;
+};
+Spline spline(double x) {
+  const double d = std::abs(x), sign = x < 0 ? -1 : 1;
+  if (d < 1) return {0.5 * d * d * d - d * d + 2.0 / 3, sign * (1.5 * d - 2) * d};
+  return d < 2 ? Spline{std::pow(2 - d, 3) / 6, -sign * 0.5 * (2 - d) * (2 - d)} : Spline{0, 0};
+}
+
+/// A lone particle, one axis like the others: its nodes' masses are m_i = w_i m, and one step
+/// multiplies an isotropic strain by 1 − z², z² = Δt² (V/m)(2μ+3λ) S/h², S = ΣN'²/N of one
+/// axis; stable while z² ≤ 2. The estimate of step 2 is V = m/Σ_i(m_i w_i/h³) = h³/(ΣN²)³: 8 h³
+/// on a node, 10.3 h³ in the middle of a cell, whatever the particle's share of a cell.
+double lone_cfl(const Point& point) {
+  double S = 0, squares = 0;
+  for (int node = -1; node <= 2; ++node) {
+    const Spline at = spline(point.place - node);
+    squares += at.N * at.N;
+    if (at.N > 0) S += at.slope * at.slope / at.N;
+  }
+  const double share = 1.0 / std::pow(point.per_edge, 3);                    // m/(ρ h³)
+  const double volume = point.estimated ? 1 / std::pow(squares, 3) : share;  // V/h³
+  Material m;
+  const double modulus = m.lambda_0() + 2 * m.mu_0();
+  return std::sqrt(2 * modulus * share / (volume * S * (2 * m.mu_0() + 3 * m.lambda_0())));
+}
+
 /// Predicted c Δt/h. The bulk limit is where the larger root of the plane wave's
 /// characteristic polynomial a² − tr a + det leaves the unit circle, for the worst
 /// wave number: 1.572, 1.498, 1.496 at α = 0, 0.95, 1 with β = 0; `largest_tried` if it never
 /// does. With N = sinc⁴(kh/2), z = ckΔtN, b = βz²:
-///     det = α(1−N²)(1 − z²/(1+b)) + N²/(1+b),  tr = α(1−N²) + N²/(1+b) + 1 − z²/(1+b). A lone
-/// particle: Δt = √2 h √(m/(3.137 V(2μ+3λ))), m/V = ρ.
+///     det = α(1−N²)(1 − z²/(1+b)) + N²/(1+b),  tr = α(1−N²) + N²/(1+b) + 1 − z²/(1+b).
 double predicted_cfl(const Point& point) {
-  if (point.lone) {
-    Material m;
-    m.youngs_modulus = point.E;
-    const double modulus = m.lambda_0() + 2 * m.mu_0();
-    return std::sqrt(2 * modulus / (3.137 * (2 * m.mu_0() + 3 * m.lambda_0())));
-  }
+  if (point.lone) return lone_cfl(point);
   double limit = largest_tried;
   for (double kh = 0.5; kh < 3.1; kh += 0.005) {
     const double half = 0.5 * kh, N = std::pow(std::sin(half) / half, 4), N2 = N * N;
@@ -103,7 +126,8 @@ State state_of(const Point& point, const Scene& scene, std::uint64_t seed) {
   for (int i = 0; i < std::lround(cells[0] * n); ++i)
     for (int j = 0; j < std::lround(cells[1] * n); ++j)
       for (int k = 0; k < std::lround(cells[2] * n); ++k) {
-        Vec3 x = h / n * Vec3(i + 0.5, j + 0.5, k + 0.5);
+        Vec3 x = point.lone ? Vec3(Vec3::Constant(point.place * h))
+                            : Vec3(h / n * Vec3(i + 0.5, j + 0.5, k + 0.5));
         for (int axis = 0; axis < 3; ++axis) x[axis] += 0.5 * point.jitter * h / n * uniform();
         p.x.push_back(scene.wrap(x));
       }
@@ -140,6 +164,10 @@ bool stable(Solver& solver, Scene& scene, const State& initial, double dt) {
   return true;
 }
 
+Quantity tried(const char* outcome) {
+  return {outcome, "1", "cΔt/h of a run that turned out so", Quantity::Better::neither, {}, false};
+}
+
 void plan(const Registry& registry, const Options& options, const Subject& subject,
           const Point& point, double value, bool quick, std::vector<CasePlan>& plans) {
   CasePlan plan;
@@ -159,6 +187,7 @@ void plan(const Registry& registry, const Options& options, const Subject& subje
                        {"beta", point.beta},
                        {"volumes", std::string(point.estimated ? "estimated" : "exact")},
                        {"particles_per_cell", std::pow(point.per_edge, 3)},
+                       {"place", point.place},
                        {"jitter", point.jitter}});
   plan.quick = quick;
   plan.run = [=, &registry](results::Case& result) {
@@ -167,14 +196,20 @@ void plan(const Registry& registry, const Options& options, const Subject& subje
     const auto solver = subject.create(registry);
     const double step_of_cfl = point.h / sound_speed(point);
     double low = 0.05, high = point.semi_implicit() ? largest_tried : 3.0;
-    if (!stable(*solver, scene, initial, low * step_of_cfl)) high = low, low = 0;
-    const bool unlimited =
-        point.semi_implicit() && stable(*solver, scene, initial, high * step_of_cfl);
+    Quantity held = tried("stable"), burst = tried("unstable");
+    const auto holds = [&](double cfl) {
+      const bool yes = stable(*solver, scene, initial, cfl * step_of_cfl);
+      (yes ? held : burst).values.push_back(cfl);
+      return yes;
+    };
+    if (!holds(low)) high = low, low = 0;
+    const bool unlimited = point.semi_implicit() && holds(high);
     if (unlimited) low = high;
-    // 3 / 2^9: half a per cent of a limit near 1.5; 16 / 2^9: 2 %.
-    for (int i = 0; i < 9 && !unlimited; ++i) {
+    // 3 / 2^9: half a per cent of a limit near 1.5; then on to 1 % of smaller limits.
+    for (int i = 0; i < 9 || high - low > 0.01 * high; ++i) {
+      if (unlimited || i == 14) break;
       const double middle = 0.5 * (low + high);
-      (stable(*solver, scene, initial, middle * step_of_cfl) ? low : high) = middle;
+      (holds(middle) ? low : high) = middle;
     }
     result.quantities = {{"cfl",
                           "1",
@@ -187,9 +222,11 @@ void plan(const Registry& registry, const Options& options, const Subject& subje
                           "largest stable Δt",
                           Quantity::Better::neither,
                           {0.5 * (low + high) * step_of_cfl},
-                          false}};
-    // The prediction is for particles that sample every wave evenly.
-    if (point.per_edge > 1 && point.jitter == 0 && !point.estimated)
+                          false},
+                         held,
+                         burst};
+    // The prediction for many is of particles that sample every wave evenly.
+    if (point.lone || (point.per_edge > 1 && point.jitter == 0 && !point.estimated))
       result.quantities.push_back({"predicted_cfl",
                                    "1",
                                    "predicted cΔt/h",
@@ -219,10 +256,20 @@ void plan_stability_suite(const Registry& registry, const Options& options,
     };
     for (const double v : {0.0, 0.5, 0.8, 0.95, 1.0})
       if (!slow || v == 0 || v >= 0.95) add("alpha", v, true, [v](Point& p) { p.alpha = v; });
-    add("lone particle", 1, true, [](Point& p) { p.lone = true; });
+    // One particle with the mass of a full cell, from a node to the middle of a cell.
+    for (const double v : {0.0, 0.25, 0.5})
+      for (const bool estimated : {false, true}) {
+        if (slow && v != 0.25) continue;
+        add(estimated ? "place of a lone particle, estimated volume"
+                      : "place of a lone particle, exact volume",
+            v, true,
+            [=](Point& p) { p.lone = true, p.per_edge = 1, p.place = v, p.estimated = estimated; });
+      }
     if (slow) continue;
-    for (const double v : {1.4e3, 1.4e4, 1.4e6, 1.4e7})
+    for (const double v : {1.4e3, 1.4e4, 1.4e5, 1.4e6, 1.4e7})
       add("E", v, true, [v](Point& p) { p.E = v; });
+    for (const double v : {1.4e3, 1.4e5, 1.4e7})
+      add("E at h = 0.005", v, false, [v](Point& p) { p.E = v, p.h = 0.005; });
     for (const double v : {0.005, 0.02, 0.2}) add("h", v, true, [v](Point& p) { p.h = v; });
     for (const int v : {1, 2, 3}) {
       add("particles per cell", v * v * v, v < 3, [v](Point& p) { p.per_edge = v; });
@@ -239,6 +286,8 @@ void plan_stability_suite(const Registry& registry, const Options& options,
     if (!registry.find(subject.solver)->semi_implicit) continue;
     for (const double v : {0.1, 0.25, 0.4, 0.5, 1.0})
       add("beta", v, false, [v](Point& p) { p.beta = v; });
+    for (const double v : {0.1, 0.25, 0.4, 0.5, 1.0})
+      add("beta at alpha = 0", v, false, [v](Point& p) { p.beta = v, p.alpha = 0; });
   }
 }
 

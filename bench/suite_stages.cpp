@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/needed_work.hpp"
 #include "bench/probes.hpp"
 #include "bench/statistics.hpp"
 #include "bench/step_case.hpp"
@@ -13,24 +14,6 @@ namespace firn::bench {
 namespace {
 
 using results::Quantity;
-
-/// What a step needs at least, per particle: lane operations (a fused multiply-add, an
-/// addition or a product each count once) of the factored cubic kernel, whose row of 4
-/// nodes takes 4 operations per value and 9 per value and derivative: 16 rows for 4 values
-/// of mass and momentum and 3 of force; 16 rows of 3 velocities with gradient and 3
-/// without. The return map takes about 450 (elastic: 160). And the values of its state
-/// that are read and written.
-struct Need {
-  double to_grid, to_particles, values;
-};
-
-Need need(Deformation deformation) {
-  const bool elastic = deformation == Deformation::elastic;
-  const double to_grid = 16 * (4 * 5 + 3 * 10);
-  const double to_particles = 16 * (3 * 8 + 3 * 4);
-  // read x, v, τ, m; read x, v, F_E, stiffness; write x, v, F_E, τ; and F_P and stiffness.
-  return {to_grid, to_particles + (elastic ? 160 : 450), 13.0 + 16 + 21 + (elastic ? 0 : 20)};
-}
 
 Quantity share(const std::string& name, const std::string& meaning, double work,
                const std::vector<double>& nanoseconds, double peak) {
@@ -48,7 +31,7 @@ void add_shares(const Subject& subject, Deformation deformation, const Quantity&
   const bool single = subject.precision == Precision::float32;
   const double peak = 0.5 * (single ? fma_peak_float(1) : fma_peak_double(1));  // operations/s
   const double bandwidth = triad_bandwidth(1);
-  const Need n = need(deformation);
+  const NeededWork n = needed_work(deformation);
   const auto sum = [&](Stage first, Stage last) {
     std::vector<double> ns(whole.values.size(), 0.0);
     for (std::size_t s = 0; s < stops.size(); ++s)

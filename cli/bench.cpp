@@ -20,6 +20,8 @@ void add_bench(CLI::App& app, Context& context) {
   verb->add_option("-o,--out", options->output, "results; an existing file is completed")
       ->capture_default_str();
   verb->add_flag("--quick", options->quick, "the cases that take under three minutes in all");
+  verb->add_flag("--again", options->again,
+                 "measure what the results have already, too; a single SUITE/CASE always is");
   verb->add_flag("--list", options->list, "name the cases and measure nothing");
   verb->add_option("--solver", options->solvers, "only these solvers (default: all)");
   verb->add_option("--threads", options->max_threads, "at most so many (default: all processors)")

@@ -1,6 +1,7 @@
 /// A run measures what is missing, keeps what is done, and says what is wrong.
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -12,6 +13,7 @@
 
 #include "bench/bench.hpp"
 #include "bench/hdf5_text.hpp"
+#include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "cli/builtin_solvers.hpp"
 #include "firn/error.hpp"
@@ -67,12 +69,36 @@ class RunnerTest : public ::testing::Test {
 };
 
 TEST_F(RunnerTest, WhatIsDoneIsNotMeasuredAgain) {
-  options.suites = {"roofline/fma_float,1T"};
+  options.suites = {"roofline/fma_float,1*"};
   EXPECT_EQ(run_it(), 0);
   EXPECT_NE(log.str().find("[1/1] roofline/fma_float,1T: "), std::string::npos);
   const bool noisy = log.str().find("noisy") != std::string::npos;
   EXPECT_EQ(run_it(), 0);
   EXPECT_EQ(log.str().find("[1/1]") == std::string::npos, !noisy) << log.str();
+  options.again = true;
+  EXPECT_EQ(run_it(), 0);
+  EXPECT_NE(log.str().find("[1/1]"), std::string::npos) << log.str();
+}
+
+/// The page prints SUITE/CASE beside a number: it must be measured whatever file is there.
+TEST_F(RunnerTest, ACaseNamedByItselfIsMeasuredAgain) {
+  options.suites = {"stress/no particle,reference,double,1T"};
+  for (int turn = 0; turn < 2; ++turn) {
+    EXPECT_EQ(run_it(), 0);
+    EXPECT_NE(log.str().find("[1/1]"), std::string::npos) << log.str();
+  }
+}
+
+/// Four times the repetitions of the same spread: half the error.
+TEST(MedianError, ShrinksWithRepetitionsAndIsUnknownOfTwo) {
+  EXPECT_TRUE(std::isinf(median_error({1, 1})));
+  EXPECT_EQ(median_error({2, 2, 2}), 0);
+  std::vector<double> values = {1, 2, 3, 4, 5, 6, 7};  // quartiles 2.5 and 5.5, median 4
+  const double once = median_error(values);
+  EXPECT_NEAR(once, 1.25 / 1.35 * 0.75 / std::sqrt(7), 1e-15);
+  const std::vector<double> copy = values;
+  for (int i = 0; i < 3; ++i) values.insert(values.end(), copy.begin(), copy.end());
+  EXPECT_NEAR(median_error(values) / once, 0.5 * (6.0 - 2.0) / (5.5 - 2.5), 1e-12);
 }
 
 TEST_F(RunnerTest, AWrongSolverIsNotTimed) {

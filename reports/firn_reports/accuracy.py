@@ -122,14 +122,10 @@ def pareto(points):
     return front
 
 
-def work_precision(problem, cases):
+def draw_front(axes, cases, method):
     """Every run as a mark, the front of each method as a line, the front of all ringed."""
-    cases = [c for c in cases if c.value("time")]
-    names = sorted({method(c) for c in cases})
-    figure, axes = panel(4.6, 3.3 + 0.17 * len(names))
-    for i, name in enumerate(names):
-        mine = [c for c in cases if method(c) == name]
-        points = [(c.value("time"), c.value("error")) for c in mine]
+    for i, name in enumerate(sorted({method(c) for c in cases})):
+        points = [(c.value("time"), c.value("error")) for c in cases if method(c) == name]
         colour, marker = SERIES[i % 8], MARKERS[i % 8]
         axes.plot(*zip(*points), color=colour, marker=marker, linestyle="none", markersize=3.5, alpha=0.45)
         front = [points[k] for k in pareto(points)]
@@ -143,6 +139,12 @@ def work_precision(problem, cases):
     axes.set_xlabel("wall time [s]")
     axes.set_ylabel("relative error of u")
     legend(axes, ncols=2)
+
+
+def work_precision(problem, cases):
+    cases = [c for c in cases if c.value("time")]
+    figure, axes = panel(4.6, 3.3 + 0.17 * len({method(c) for c in cases}))
+    draw_front(axes, cases, method)
     return Figure(f"{problem}: run time against error", to_svg(figure), command=command(problem),
                   caption="Down and left is better. Pale: every run, over h, Δt, α and β; lines: the front of each method; ringed: nobody is both faster and more accurate.")
 

@@ -71,7 +71,8 @@ class Tile:
     value: str
     note: str = ""
     kind: str = ""
-    target: str = ""  # id of the section that tells more
+    target: str = ""   # id of the section that tells more
+    command: str = ""  # what measures this again
 
 
 @dataclass

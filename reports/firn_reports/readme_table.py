@@ -35,7 +35,7 @@ def facts(results):
     """(what, figure) of everything else that the summary quotes."""
     found = []
     if (share := figures.best_share_of_peak(results)):
-        found.append((f"share of the FMA peak, {share[1]}, plain count", f"{number(100 * share[0], 2)} %"))
+        found.append((f"share of the FMA peak of {figures.widest(results)}, {share[1]}, plain count", f"{number(100 * share[0], 2)} %"))
     if (order := accuracy.best_order(results)):
         found.append((f"observed order, {order[1]}", number(order[0], 3)))
     if (worst := tables.worst_stability(results)):

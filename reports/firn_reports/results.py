@@ -8,10 +8,6 @@ import numpy as np
 
 from . import InputError
 
-# Half of the repetitions within so much of the median: the same limit as in bench/statistics.hpp.
-WIDEST_SPREAD = 0.20
-
-
 @dataclass
 class Quantity:
     name: str
@@ -51,6 +47,7 @@ class Case:
     calibration: np.ndarray
     wall_seconds: float = None       # what measuring it took, validation included
     processor_seconds: float = None
+    finished: str = ""               # UTC
 
     @property
     def quotable(self):
@@ -100,7 +97,7 @@ def read_case(suite, name, group):
         q = attributes(data)
         quantities[key] = Quantity(key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float))
     return Case(suite, name, a["title"], a["command"], a["status"], a["message"], a["validation"], int(a["session"]),
-                attributes(group["parameters"]), quantities, group["calibration"][()], a.get("wall_seconds"), a.get("processor_seconds"))
+                attributes(group["parameters"]), quantities, group["calibration"][()], a.get("wall_seconds"), a.get("processor_seconds"), a.get("finished", ""))
 
 
 def read_columns(group, columns):

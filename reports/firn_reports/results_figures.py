@@ -19,6 +19,12 @@ def first_command(cases):
     return "firn bench " + " ".join(sorted(suites)) if suites else ""
 
 
+def left_out(cases, name=lambda case: case.name):
+    """What a caption adds on cases that a figure does not show; nothing if it shows all."""
+    names = [name(c) for c in cases if c.status == "noisy"]
+    return f" Too noisy to quote: {'; '.join(names)}." if names else ""
+
+
 def who(case, threads=False):
     text = f"{case['solver']}, {case['precision']}"
     return f"{text}, {case['threads']} T" if threads else text
@@ -28,22 +34,29 @@ def styles(names):
     return {name: {"color": SERIES[i % 8], "marker": MARKERS[i % 8], "linestyle": DASHES[i % 8]} for i, name in enumerate(dict.fromkeys(names))}
 
 
-def bars(rows, xlabel, log=False, zero=False, marks=()):
+def bars(rows, xlabel, log=False, zero=False, marks=(), text=lambda value: plain(float(f"{value:.3g}"))):
     """Horizontal bars: (label, value, low, high), the value written at the end."""
     figure, axes = panel(4.6, 0.75 + 0.3 * max(len(rows), 2))
+    lowest, highest = min([0, *(row[2] for row in rows)]), max([0, *(row[3] for row in rows)])
     for y, (label, value, low, high) in enumerate(rows):
+        # The number stands behind its bar, and behind a dashed line that it would cross.
+        end = max([value, high, 0] + [x for x in marks if value <= x <= max(value, high) + 0.25 * (highest - lowest)])
         colour = BAD if zero and value < 0 else SERIES[0]
         axes.barh(y, value, height=0.62, color=colour, alpha=0.85)
         axes.plot([low, high], [y, y], color=INK, linewidth=1.2)
-        axes.annotate(plain(float(f"{value:.3g}")), (max(value, high, 0), y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
+        axes.annotate(text(value), (end, y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
     for x in marks:
         axes.axvline(x, color=MUTED, linewidth=1, linestyle="--")
     axes.set_yticks(range(len(rows)), [row[0] for row in rows])
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlabel(xlabel, loc="right")
     axes.grid(False, axis="y")
+    axes.tick_params(axis="y", length=0)
     if log:
         log_axis(axes, "x")
+    else:
+        # Room for the number behind the longest bar.
+        axes.set_xlim(lowest, highest + 0.24 * (highest - lowest))
     axes.margins(x=0.16)
     return to_svg(figure)
 
@@ -72,27 +85,32 @@ def speed(results):
         axes.set_ylabel("million particle-steps per second")
         legend(axes, ncols=2)
         made.append(Figure(f"Rate over size, {deformation}", to_svg(figure), command=first_command(chosen),
-                           caption="Level lines: the cost per particle does not grow with the size."))
+                           caption="Level lines: the cost per particle does not grow with the size."
+                                   + left_out(c for c in results.suite("steps") if c["deformation"] == deformation)))
     ratios = [c for c in results.suite("speedup") if c.quotable]
     if ratios:
         rows = [(f"{who(c, True)}, {c['deformation']}", *with_quartiles(c, "speedup")) for c in sorted(ratios, key=lambda c: c.name)]
         made.append(Figure("Times faster than the reference", bars(rows, "times the reference (double, 1 thread)"), command=first_command(ratios),
-                           caption="Repetitions of both solvers took turns, so that a slow minute of the machine hits both."))
-    made += scaling(cases)
+                           caption="Repetitions of both solvers took turns, so that a slow minute of the machine hits both." + left_out(results.suite("speedup"))))
+    return made + scaling(results)
+
+
+def scaling(results):
+    """Threads and sizes as ratios inside one interleaved run."""
+    cases = sorted(results.suite("scaling"), key=lambda c: (c["precision"], c["deformation"], c["particles"]))
+    name = lambda c: f"{c['precision']}, {c['deformation']}, {plain(c['particles'] / 1e6)} M"
+    made = []
+    threads = [c for c in cases if c.value("efficiency") is not None]
+    if threads:
+        rows = [(f"{name(c)}, {c['threads']} T", *with_quartiles(c, "efficiency", c["threads"])) for c in threads]
+        made.append(Figure("Speed-up by threads", bars(rows, "times one thread", marks=sorted({c["threads"] for c in threads})), command="firn bench scaling",
+                           caption="One thread and all threads took turns. Dashed: the number of threads." + left_out(c for c in cases if c["threads"] > 1)))
+    sizes = [c for c in cases if c.value("growth") is not None]
+    if sizes:
+        rows = [(name(c), *with_quartiles(c, "growth")) for c in sizes]
+        made.append(Figure("Cost per particle against 100 000 particles", bars(rows, "times the cost of 100 000", marks=[1]), command="firn bench scaling",
+                           caption="One thread; the small and the large block took turns." + left_out(c for c in cases if c["threads"] == 1)))
     return made
-
-
-def scaling(cases):
-    multi = [c for c in cases if c["threads"] > 1]
-    rows = []
-    for c in sorted(multi, key=lambda c: c.name):
-        one = next((o for o in cases if o["threads"] == 1 and all(o[k] == c[k] for k in ("solver", "precision", "deformation", "particles"))), None)
-        if one:
-            rows.append((f"{who(c, True)}, {c['deformation']}, {plain(c['particles'] / 1e6)} M", *(v / one.value("rate") for v in with_quartiles(c, "rate"))))
-    if not rows:
-        return []
-    return [Figure("Speed-up by threads", bars(rows, "rate / rate of one thread", marks=sorted({c["threads"] for c in multi})),
-                   command=first_command(multi), caption="Dashed: the number of threads.")]
 
 
 def peak(results, precision, threads=1):
@@ -119,6 +137,13 @@ def best_share_of_peak(results):
     return (top[3], f"{who(top[0])}, {top[0]['deformation']}") if top else None
 
 
+def widest(results):
+    """"AVX3 (512 bits)": what the probes, and so the ceilings, were measured with."""
+    name = next((str(c["instruction_set"]) for c in results.suite("roofline") if c["instruction_set"]), "")
+    bits = {"AVX3": 512, "AVX3_DL": 512, "AVX3_ZEN4": 512, "AVX2": 256, "SSE4": 128, "SSSE3": 128, "NEON": 128}.get(name)
+    return f"{name} ({bits} bits)" if bits else name
+
+
 def roofline(results):
     band = results.find("roofline", "triad,1T")
     if not band:
@@ -129,24 +154,28 @@ def roofline(results):
         ceiling = peak(results, precision)
         if not ceiling:
             continue
-        figure, axes = panel()
-        x = np.logspace(-1, 3, 200)
+        figure, axes = panel(4.6, 3.3)
         bandwidth = band.quantities["rate"].median
-        axes.plot(x, np.minimum(ceiling, bandwidth * x) / 1e9, color=INK, label="this machine, 1 thread")
-        axes.annotate(f"{ceiling / 1e9:.0f} Gflop/s", (1e3, ceiling / 1e9), ha="right", va="bottom", fontsize=8.5)
-        axes.annotate(f"{bandwidth / 1e9:.1f} GB/s", (0.13, 0.13 * bandwidth / 1e9), rotation=0, va="bottom", fontsize=8.5)
         mine = [p for p in points if p[0]["precision"] == precision]
+        lowest = min([ceiling / 30, *(p[1] / 2 for p in mine)])
+        x = np.logspace(np.log10(lowest / bandwidth), 2.3, 200)
+        axes.plot(x, np.minimum(ceiling, bandwidth * x) / 1e9, color=INK, label=f"1 thread, {widest(results)}")
+        axes.annotate(f"FMA peak {ceiling / 1e9:.0f} Gflop/s", (x[-1], ceiling / 1e9), xytext=(0, 3), textcoords="offset points", ha="right", va="bottom", fontsize=8.5)
+        axes.annotate(f"triad {bandwidth / 1e9:.1f} GB/s", (3 * x[0], 3 * lowest / 1e9), xytext=(8, 0), textcoords="offset points", va="center", fontsize=8.5)
         look = styles(f"{p[0]['solver']}, {p[0]['deformation']}" for p in mine)
         for name, style in look.items():
-            chosen = [p for p in mine if f"{p[0]['solver']}, {p[0]['deformation']}" == name]
-            axes.plot([p[2] for p in chosen], [p[1] / 1e9 for p in chosen], label=name, **{**style, "linestyle": "none"})
+            # The largest block of each: the sizes lie upon one another.
+            point = max((p for p in mine if f"{p[0]['solver']}, {p[0]['deformation']}" == name), key=lambda p: p[0]["particles"])
+            axes.plot([point[2]], [point[1] / 1e9], label=f"{name}: {100 * point[3]:.2g} %", **{**style, "linestyle": "none", "markersize": 6})
         log_axis(axes, "x")
         log_axis(axes, "y")
+        axes.set_ylim(lowest / 1e9, 2 * ceiling / 1e9)
         axes.set_xlabel("flop per byte, plain count")
         axes.set_ylabel("Gflop/s")
         legend(axes, ncols=2)
         made.append(Figure(f"Roofline, {precision}", to_svg(figure), command="firn bench roofline steps",
-                           caption=f"{PLAIN_FLOP} flop per particle-step by the plain count. Points right of the bend are bound by arithmetic."))
+                           caption=f"{PLAIN_FLOP} flop and {PLAIN_NUMBERS} numbers moved per particle-step by the plain count; the largest block of each. "
+                                   "Percentages are of the FMA peak. Right of the bend arithmetic bounds."))
     return made
 
 
@@ -175,7 +204,9 @@ def skips(results):
         if not mine:
             continue
         rows = [(f"{c['skip']}: {c['situation']}", *with_quartiles(c, "saved", 100)) for c in sorted(mine, key=lambda c: (c["skip"], c["situation"]))]
-        made.append(Figure(f"Saved by each skip, {precision}", bars(rows, "% of the step saved", zero=True, marks=[0]), command="firn bench skips"))
+        made.append(Figure(f"Saved by each skip, {precision}", bars(rows, "% of the step saved", zero=True, marks=[0]), command="firn bench skips",
+                           caption="Lines: the middle half of 27 pairs of runs or more." + left_out((c for c in results.suite("skips") if c["precision"] == precision),
+                                                                                         lambda c: f"{c['skip']}: {c['situation']}")))
     return made
 
 
@@ -185,35 +216,64 @@ def snowball(results):
     made = []
     for name in dict.fromkeys(key for c in cases for key in c.quantities):
         figure, axes = panel()
-        for i, (solver, style) in enumerate(styles(who(c) for c in sorted(cases, key=who)).items()):
+        names = list(dict.fromkeys(who(c) for c in sorted(cases, key=who)))
+        for i, (solver, style) in enumerate(styles(names).items()):
             line = sorted([c for c in cases if who(c) == solver], key=lambda c: c["resolution"])
-            x = np.array([c["resolution"] for c in line]) + 0.12 * i
+            # Side by side: float and double lie upon each other.
+            x = np.array([c["resolution"] for c in line]) + 0.12 * (i - 0.5 * (len(names) - 1))
             values = [c.quantities[name].values for c in line]
-            middle = np.array([np.median(v) for v in values])
-            spread = [middle - [v.min() for v in values], [v.max() for v in values] - middle]
-            axes.errorbar(x, middle, yerr=spread, label=solver, capsize=3, **style)
+            middle, low, high = (np.array([f(v) for v in values]) for f in (np.median, np.min, np.max))
+            axes.fill_between(x, low, high, color=style["color"], alpha=0.13, linewidth=0)
+            axes.errorbar(x, middle, yerr=[middle - low, high - middle], label=solver, capsize=3, **style)
         quantity = cases[0].quantities[name]
-        axes.set_xticks(sorted({c["resolution"] for c in cases}))
+        resolutions = sorted({c["resolution"] for c in cases})
+        axes.set_xticks(resolutions)
+        axes.set_xlim(resolutions[0] - 0.7, resolutions[-1] + 0.7)
         axes.set_xlabel("spacings per radius of the ball")
-        axes.set_ylabel(f"{name} [{quantity.units}]")
+        axes.set_ylabel(f"{name} [{quantity.units}]" if quantity.units != "1" else name)
         legend(axes, ncols=2)
-        made.append(Figure(quantity.meaning, to_svg(figure), command="firn bench snowball", caption="Median and range over five seeds."))
+        made.append(Figure(quantity.meaning[:1].upper() + quantity.meaning[1:], to_svg(figure), command="firn bench snowball", caption="Median and range over five seeds."))
     return made
 
 
 def targets(results):
-    cases = [c for c in results.suite("targets") if c.quotable]
-    rows = [(f"{c['target']}, {c['precision']}, {c['deformation']}", *with_quartiles(c, "time")) for c in sorted(cases, key=lambda c: (c["deformation"], c["precision"], c["target"]))]
-    return [Figure("Time per particle and step", bars(rows, "ns"), command="firn bench targets")] if rows else []
+    every = results.suite("targets")
+    cases = sorted([c for c in every if c.quotable], key=lambda c: (c["deformation"], c["precision"], c["target"]))
+    if not cases:
+        return []
+    name = lambda c: f"{c['target']}, {c['precision']}, {c['deformation']}"
+    made = [Figure("Time per particle and step", bars([(name(c), *with_quartiles(c, "time")) for c in cases], "ns"), command="firn bench targets",
+                   caption="The same code, 100 000 particles, one thread." + left_out(every, name))]
+    shares = [(name(c), *with_quartiles(c, "FMA peak", 100)) for c in cases if "FMA peak" in c.quantities]
+    if shares:
+        made.append(Figure("Share of each instruction set's own peak", bars(shares, "% of its FMA peak"), command="firn bench targets",
+                           caption="Multiply-adds, additions and products that the factored step needs (1536 elastic, 1826 plastic per particle, each counted once) "
+                                   "over the multiply-adds that the same instruction set reached right after each repetition."))
+    return made
 
 
 def kernels(results):
-    cases = [c for c in results.suite("kernels") if c.quotable]
     made = []
-    for kernel in dict.fromkeys(c["kernel"] for c in cases):
-        rows = [(f"{c['code']}, {c['precision']}", *with_quartiles(c, "time")) for c in sorted((c for c in cases if c["kernel"] == kernel), key=lambda c: c.value("time"))]
-        made.append(Figure(str(kernel), bars(rows, "ns per item", log=max(r[1] for r in rows) > 20 * min(r[1] for r in rows)), command="firn bench kernels"))
+    every = results.suite("kernels")
+    cases = [c for c in every if c.quotable]
+    name = lambda c: ", ".join(str(c[key]) for key in ("code", "precision", "target") if c[key])
+    for kernel in dict.fromkeys(c["kernel"] for c in sorted(every, key=lambda c: kernel_order(c["kernel"]))):
+        mine = sorted((c for c in cases if c["kernel"] == kernel), key=lambda c: c.value("time"))
+        if not mine:
+            continue
+        rows = [(name(c), *with_quartiles(c, "time")) for c in mine]
+        made.append(Figure(str(kernel), bars(rows, "ns per item", log=max(r[1] for r in rows) > 20 * min(r[1] for r in rows)), command=f"firn bench 'kernels/{kernel},*'",
+                           caption=left_out((c for c in every if c["kernel"] == kernel), name).strip()))
     return made
+
+
+# In the order of a step, then what a particle needs; others behind.
+KERNELS = ("weights", "sort into blocks", "P2G, mass and momentum", "P2G, forces", "grid update", "collision", "G2P, gradient and F", "G2P, velocities", "positions and movers",
+           "SVD", "polar", "box test", "stress", "return map", "Hessian action")
+
+
+def kernel_order(kernel):
+    return next((i for i, name in enumerate(KERNELS) if str(kernel).startswith(name)), len(KERNELS)), str(kernel)
 
 
 def verification(results):
@@ -231,7 +291,7 @@ def verification(results):
         log_axis(axes, "x")
         axes.set_xlabel("largest error, in units of its bound", loc="right")
         axes.grid(False, axis="y")
-        made.append(Figure(f"{subject}: {verdict['verdict']}", to_svg(figure), command=verdict["command"]))
+        made.append(Figure(f"{subject}: {verdict['verdict']}", to_svg(figure), command=verdict["command"], caption="Topics without a bar are exact: equal bits, or yes or no."))
     return made
 
 
@@ -254,14 +314,19 @@ def changes(changes):
 
 
 def noise(results):
-    loops = [(c, c.calibration) for c in results.cases if len(c.calibration)]
+    loops = [c for c in results.cases if len(c.calibration)]
     if not loops:
         return []
+    # In the order of time where the file says it.
+    loops.sort(key=lambda c: (c.finished, c.suite, c.name))
     figure, axes = panel()
-    everything = np.concatenate([x for _, x in loops])
-    typical = np.median(everything)
-    axes.plot(np.repeat(np.arange(len(loops)), [len(x) for _, x in loops]), everything / typical, linestyle="none", marker=".", markersize=3)
+    typical = np.median(np.concatenate([c.calibration for c in loops]))
+    for noisy, colour, label in ((False, SERIES[0], "quoted cases"), (True, BAD, "cases too noisy to quote")):
+        mine = [(i, x) for i, c in enumerate(loops) if (c.status == "noisy") == noisy for x in c.calibration]
+        if mine:
+            axes.plot([i for i, _ in mine], [x / typical for _, x in mine], linestyle="none", marker=".", markersize=3, color=colour, label=label)
     axes.axhline(1, color=MUTED, linewidth=1)
-    axes.set_xlabel("case")
+    axes.set_xlabel("case, in the order of measurement" if loops[0].finished else "case")
     axes.set_ylabel("fixed loop / its median")
+    legend(axes, ncols=2)
     return [Figure("The fixed loop", to_svg(figure), caption=f"Median {plain(1e3 * typical)} ms.", command="firn bench")]

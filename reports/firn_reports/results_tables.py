@@ -5,7 +5,7 @@ import re
 import numpy as np
 
 from . import results_figures as figures
-from .page import Code, Mark, Table
+from .page import Code, Mark, Table, number
 
 KIND = {"measured": "good", "noisy": "warn", "invalid": "bad", "failed": "bad", "VALID": "good", "INVALID": "bad",
         "worse": "bad", "better": "good", "same": "", "drowned": "warn"}
@@ -16,8 +16,12 @@ def mark(text):
 
 
 def of_suite(results, suite, name, title):
-    """Every case of a suite: its parameters, the median and quartiles of each quantity, its command."""
-    cases = sorted(results.suite(suite), key=lambda c: c.name)
+    return of_cases(results.suite(suite), name, title, f"firn bench {suite}")
+
+
+def of_cases(cases, name, title, command):
+    """Every case: its parameters, the median and spread of each quantity, its command."""
+    cases = sorted(cases, key=lambda c: c.name)
     if not cases:
         return []
     parameters = list(dict.fromkeys(key for c in cases for key in c.parameters))
@@ -32,7 +36,7 @@ def of_suite(results, suite, name, title):
             # What is too noisy to quote gives no number.
             row += [quantity.median, f"{100 * quantity.spread:.2g} %" if len(quantity.values) > 2 else ""] if quantity and c.quotable else [None, ""]
         rows.append(row + [mark(c.status), Code(c.command)])
-    return [Table(name, title, columns, rows, "Medians; spread is from the first to the third quartile, relative to the median.", f"firn bench {suite}")]
+    return [Table(name, title, columns, rows, "Medians; spread is from the first to the third quartile, relative to the median.", command)]
 
 
 def roofline_points(results):
@@ -43,33 +47,27 @@ def roofline_points(results):
 
 
 def worst_stability(results):
-    rows = [(abs(c.value("cfl") / c.value("predicted_cfl") - 1), f"{c['varied']} = {c['value']}") for c in results.suite("stability")
+    rows = [(abs(c.value("cfl") / c.value("predicted_cfl") - 1), f"{c['varied']}: {number(c['value'])}", c) for c in results.suite("stability")
             if c.quotable and "predicted_cfl" in c.quantities]
-    return max(rows, default=None)
+    return max(rows, key=lambda row: row[0], default=None)
 
 
 def worst_scaling(results):
-    cases = [c for c in results.suite("steps") if c.quotable]
-    rows = []
-    for c in cases:
-        one = next((o for o in cases if o["threads"] == 1 and all(o[k] == c[k] for k in ("solver", "precision", "deformation", "particles"))), None)
-        if c["threads"] == 2 and one:
-            rows.append((c.value("rate") / one.value("rate"), f"{figures.who(c)}, {c['deformation']}, {c['particles']:,} particles".replace(",", " ")))
-    return min(rows, default=None)
+    """(speed-up, threads, who) where more threads bring least, from interleaved runs."""
+    rows = [(c.value("efficiency") * c["threads"], c["threads"], f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])} particles", c)
+            for c in results.suite("scaling") if c.value("efficiency") is not None]
+    return min(rows, key=lambda row: row[0] / row[1], default=None)
 
 
 def size_growth(results):
-    groups = {}
-    for c in results.suite("steps"):
-        if c.quotable and c["threads"] == 1:
-            groups.setdefault((figures.who(c), c["deformation"]), []).append(c)
-    rows = [(max(g, key=lambda c: c["particles"]).value("time") / min(g, key=lambda c: c["particles"]).value("time"), ", ".join(key))
-            for key, g in groups.items() if len(g) > 1]
-    return max(rows, default=None)
+    """(cost per particle of many over that of few, who) where it grows most, from interleaved runs."""
+    rows = [(c.value("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c) for c in results.suite("scaling") if c.value("growth") is not None]
+    return max(rows, key=lambda row: row[0], default=None)
 
 
 def costliest_skip(results):
-    rows = [(-c.value("saved"), c["skip"], c["situation"]) for c in results.suite("skips") if c.quotable]
+    # A cost that the quartiles of the repetitions do not tell from none is none.
+    rows = [(-c.value("saved"), c["skip"], c["situation"]) for c in results.suite("skips") if c.quotable and c.quantities["saved"].quartiles[1] <= 0]
     worst = max(rows, default=None)
     return worst if worst and worst[0] > 0.02 else None
 
@@ -85,6 +83,12 @@ def busiest(results):
              if (match := re.match(r"[0-9.]+", str(s.get("load_average", ""))))]
     worst = max(loads, default=None)
     return worst if worst and worst[0] > 0.5 * worst[1] else None
+
+
+def loop_spread(case):
+    """(slowest − fastest) / median of the fixed loop around one case."""
+    loop = case.calibration
+    return f"{100 * (loop.max() - loop.min()) / np.median(loop):.2g} %" if len(loop) else ""
 
 
 def noise(results):
@@ -128,17 +132,29 @@ def mutants(results):
 
 
 def sessions(results):
+    """Facts of every session; what is as in the first one is not repeated."""
+    def cell(i, key):
+        value = results.sessions[i].get(key)
+        value = None if value is None else str(value)
+        return "″" if i and value is not None and value == str(results.sessions[0].get(key)) else value
     keys = list(dict.fromkeys(key for s in results.sessions for key in s))
     return Table("machine", "Machine and build", ["fact"] + [f"session {i}" for i in range(len(results.sessions))],
-                 [[key.replace("_", " ")] + [s.get(key) if not isinstance(s.get(key), (int, float)) else str(s.get(key)) for s in results.sessions] for key in keys],
-                 "A session is one run of firn bench that added to the file.", open=True)
+                 [[key.replace("_", " ")] + [cell(i, key) for i in range(len(results.sessions))] for key in keys],
+                 "A session is one run of firn bench or firn verify that added to the file; ″: as in session 0.", "firn info", open=True)
 
 
 def all_cases(results):
-    return Table("cases", "Every case", ["suite", "case", "status", "remark", "session", "took [s]", "processor time [s]", "measure again"],
-                 [[c.suite, c.name, mark(c.status), c.message, c.session, c.wall_seconds, c.processor_seconds, Code(c.command)] for c in results.cases])
+    return Table("cases", "Every case", ["suite", "case", "status", "remark", "session", "took [s]", "processor time [s]", "fixed loop varied by", "measure again"],
+                 [[c.suite, c.name, mark(c.status), c.message, c.session, c.wall_seconds, c.processor_seconds, loop_spread(c), Code(c.command)] for c in results.cases],
+                 command="firn bench")
+
+
+def noisy(results):
+    rows = [[c.suite, c.name, c.message, loop_spread(c), c.wall_seconds, Code(c.command)] for c in results.cases if c.status == "noisy"]
+    return [Table("noisy", "Too noisy to quote", ["suite", "case", "why", "fixed loop varied by", "took [s]", "measure again"], rows,
+                  "Their repetitions are in the file and under “Every repetition”, their medians nowhere.", "firn bench")] if rows else []
 
 
 def repetitions(results):
     rows = [[c.suite, c.name, key, q.units, i, float(v)] for c in results.cases for key, q in c.quantities.items() for i, v in enumerate(q.values)]
-    return Table("repetitions", "Every repetition", ["suite", "case", "quantity", "units", "repetition", "value"], rows)
+    return Table("repetitions", "Every repetition", ["suite", "case", "quantity", "units", "repetition", "value"], rows, command="firn bench")

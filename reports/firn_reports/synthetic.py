@@ -149,6 +149,35 @@ def _computed(value, better="lower"):
     return (value, "1", better, False)
 
 
+def _implicit_cases():
+    """Twice the cost of an explicit second at r = 10, half of it at 50; errors grow with r."""
+    cases = []
+    block = dict(youngs_modulus=1e6, particles=4096)
+    for r, ratio in ((10, 2.0), (50, 0.5)):
+        cases.append(_case("implicit", f"cost,optimized,double,1T,E=1e+06,r={r},cells=8", _solver("optimized", "double", r=r, **block),
+                           {"iterations 1e-3": _computed(3.0 * r), "iterations 1e-6": _computed(6.0 * r), "implicit over explicit": _timing(ratio, "1")}))
+    for r, error, time in ((0.5, 0.01, 2.0), (1, 0.02, 1.0), (5, 0.08, 0.6)):
+        cases.append(_case("implicit", f"error,optimized,double,1T,E=1e+06,r={r}", _solver("optimized", "double", r=r, tolerance=0 if r <= 1 else 1e-3, **block),
+                           {"error": _computed(error), "time": (time, "s", "lower", False)}))
+    return cases
+
+
+def _stability_cases():
+    cases = []
+    tried = {"stable": _computed(1.0, "neither"), "unstable": _computed(20.0, "neither")}
+    point = dict(hardening=10, J_P=1, h=0.05)
+    for value in (0, 0.5, 1):
+        cases.append(_case("stability", f"reference,alpha={value}", _solver("reference", "double", varied="alpha", value=value, **point),
+                           {"cfl": _computed(1.5, "neither"), "predicted_cfl": _computed(1.48, "neither"), **tried}))
+    for value in (0.1, 0.5, 1):
+        cases.append(_case("stability", f"optimized,beta={value}", _solver("optimized", "double", varied="beta", value=value, **point),
+                           {"cfl": _computed(16 if value >= 0.5 else 2, "neither"), "predicted_cfl": _computed(16 if value >= 0.5 else 2.1, "neither")}))
+    for varied, value, cfl in (("E", 1e5, 1.5), ("E at h = 0.005", 1e5, 1.5), ("place of a lone particle, estimated volume", 0, 0.236), ("place of a lone particle, exact volume", 0, 0.667)):
+        cases.append(_case("stability", f"optimized,{varied}={value}", _solver("optimized", "double", varied=varied, value=value, **point),
+                           {"cfl": _computed(cfl, "neither"), "predicted_cfl": _computed(cfl, "neither"), "step": (1e-3, "s", "neither", False), **tried}))
+    return cases
+
+
 def synthetic_cases():
     """A few cases of every suite, with medians that are known."""
     cases = []
@@ -182,15 +211,14 @@ def synthetic_cases():
             cases.append(_case("stress", f"{situation},{solver},{precision}", _solver(solver, precision, situation=situation, expected=expected, outcome=outcome), {}))
         cases.append(_case("float", f"creep,{solver},{precision}", _solver(solver, precision, test="creep", what="1e-8 m per step"), {"error": _computed(1e-6)}))
     cases.append(_case("speedup", "optimized,float,1T,plastic,100000", _solver("optimized", "float", deformation="plastic", particles=100000), {"speedup": _timing(20.0, "1", "higher")}))
-    for value in (0, 0.5, 1):
-        cases.append(_case("stability", f"reference,alpha={value}", _solver("reference", "double", varied="alpha", value=value),
-                           {"cfl": _computed(1.5, "neither"), "predicted_cfl": _computed(1.48, "neither")}))
-    for value in (0.1, 0.5, 1):
-        cases.append(_case("stability", f"optimized,beta={value}", _solver("optimized", "double", varied="beta", value=value),
-                           {"cfl": _computed(16 if value >= 0.5 else 2, "neither"), "predicted_cfl": _computed(16 if value >= 0.5 else 2.1, "neither")}))
+    for name, quantity, value in (("2T,plastic,1000000", "efficiency", 0.8), ("1T,plastic,4000000", "growth", 1.2)):
+        threads, deformation, particles = name.split(",")
+        cases.append(_case("scaling", f"optimized,float,{name}", _solver("optimized", "float", int(threads[0]), deformation=deformation, particles=int(particles)),
+                           {quantity: _timing(value, "1", "higher" if quantity == "efficiency" else "lower")}))
+    cases += _implicit_cases() + _stability_cases()
     cases.append(_case("skips", "box,elastic", _solver("optimized", "float", skip="box", situation="elastic"), {"saved": _computed(0.3, "higher")}))
     cases.append(_case("skips", "box,plastic", _solver("optimized", "float", skip="box", situation="plastic"), {"saved": _computed(-0.03, "higher")}))
-    cases.append(_case("targets", "avx2,float", _solver("optimized", "float", target="avx2", deformation="plastic"), {"time": _timing(100.0)}))
+    cases.append(_case("targets", "avx2,float", _solver("optimized", "float", target="avx2", deformation="plastic"), {"time": _timing(100.0), "FMA peak": _computed(0.5, "higher")}))
     for resolution in (4, 6):
         cases.append(_case("snowball", f"optimized,float,resolution={resolution}", _solver("optimized", "float", resolution=resolution), {"J_P": _computed(0.95, "neither")}))
     cases.append(_case("kernels", "svd,Eigen", {"kernel": "SVD", "code": "Eigen", "precision": "double"}, {"time": _timing(800.0)}))

@@ -4,7 +4,7 @@ import h5py
 import numpy as np
 import pytest
 
-from firn_reports import accuracy, baseline, limits, readme_table, results, results_figures, results_page, results_tables, synthetic
+from firn_reports import accuracy, baseline, implicit, limits, readme_table, results, results_figures, results_page, results_tables, synthetic
 from firn_reports.__main__ import main
 from firn_reports.page import Page
 
@@ -157,16 +157,40 @@ def test_share_of_the_peak_is_the_plain_count_over_the_probe(plain):
 
 
 def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
-    assert results_tables.worst_scaling(plain)[0] == pytest.approx(2.0)
-    assert results_tables.size_growth(plain)[0] == pytest.approx(1.0)
+    assert results_tables.worst_scaling(plain)[0] == pytest.approx(1.6)
+    assert results_tables.size_growth(plain)[0] == pytest.approx(1.2)
     assert results_tables.costliest_skip(plain)[1:] == ("box", "plastic")
+
+
+def test_semi_implicit_steps_are_told_with_the_explicit_ones_beside_them(plain):
+    table = implicit.tables(plain)[0]
+    rows = [dict(zip(table.columns, row)) for row in table.rows]
+    fastest = {row["error asked for"]: (row["method"], row["wall time [s]"]) for row in rows if row["times the fastest"] == 1}
+    assert fastest == {0.1: ("optimized, double, implicit", 0.6), 0.05: ("optimized, double, explicit", 1.0), 0.03: ("optimized, double, explicit", 1.0),
+                       0.02: ("optimized, double, explicit", 1.0), 0.01: ("optimized, double, explicit", 2.0)}
+    assert [f.title for f in implicit.figures(plain)] == ["Cost of a simulated second, optimized, double", "Iterations per step", "Landing block, E = 1e6 Pa: run time against error"]
+
+
+def test_what_is_too_noisy_is_named_where_it_is_missing(folder):
+    r = results.read(synthetic.write_results(folder / "named.h5", status={"svd,optimized": "noisy"}))
+    figure = results_figures.kernels(r)[0]
+    assert "Too noisy to quote: optimized, double, avx2" in figure.caption
+    assert [row[1] for row in results_tables.noisy(r)[0].rows] == ["svd,optimized"]
+
+
+def test_every_number_of_the_summary_and_every_figure_has_its_command(plain):
+    page, _ = results_page.build(plain)
+    assert all(tile.command.startswith("firn ") for tile in page.tiles)
+    figures = [f for section in page.sections for f in section.figures]
+    assert len(figures) > 20 and [f.title for f in figures if not f.command.startswith("firn ")] == []
+    assert [t.title for section in page.sections for t in section.tables if not t.command] == []
 
 
 def test_every_table_has_its_csv(folder, tmp_path):
     path = synthetic.write_results(folder / "csv.h5")
     assert main([str(path), "-o", str(tmp_path)]) == 0
     names = {p.stem for p in (tmp_path / "csv").iterdir()}
-    assert {"speed", "accuracy", "orders", "time_to_error", "stress", "stability", "skips", "verify_1", "mutants", "repetitions", "cases"} <= names
+    assert {"speed", "scaling", "implicit_cost", "implicit_error", "accuracy", "orders", "time_to_error", "stress", "stability", "skips", "verify_1", "mutants", "repetitions", "cases"} <= names
     rows = (tmp_path / "csv" / "repetitions.csv").read_text().splitlines()
     expected = sum(len(q.values) for c in results.read(path).cases for q in c.quantities.values())
     assert len(rows) == 1 + expected
