@@ -129,10 +129,13 @@ void add_repetitions(const results::Case& again, results::Case& result) {
 
 /// A case that comes out noisy is run again, all repetitions kept, up to so many times in
 /// all and as long as it has not taken so long [s]: a disturbance of some seconds passes.
-constexpr int most_runs = 4;
-constexpr double patience = 20;
+struct Patience {
+  int runs;
+  double seconds;
+};
+constexpr Patience full_patience{4, 20}, quick_patience{2, 1};
 
-void measure(CasePlan& plan) {
+void measure(CasePlan& plan, const Patience& patience) {
   const results::Case fresh = plan.description;
   results::Case& result = plan.description;
   const double start = seconds_now(), processor_start = processor_seconds();
@@ -142,8 +145,8 @@ void measure(CasePlan& plan) {
   };
   calibrate();
   run_once(plan, result);
-  for (int runs = 1; runs < most_runs && result.status == results::Status::noisy &&
-                     seconds_now() - start < patience;
+  for (int runs = 1; runs < patience.runs && result.status == results::Status::noisy &&
+                     seconds_now() - start < patience.seconds;
        ++runs) {
     results::Case again = fresh;
     run_once(plan, again);
@@ -237,7 +240,7 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
     log << "[" << number << "/" << chosen.size() << "] " << result.suite << "/" << result.name
         << ": " << std::flush;
     try {
-      measure(plan);
+      measure(plan, options.quick ? quick_patience : full_patience);
       if (interrupted()) throw Interrupted{};
     } catch (const Interrupted&) {
       log << "interrupted; " << file.path() << " holds every finished case\n";

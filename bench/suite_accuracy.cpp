@@ -129,7 +129,7 @@ void plan_slow(std::vector<Point>& points) {
   for (const int cells : {16, 32, 64})
     points.push_back({"standing wave", standing_wave, cells, 0.4, undamped, {}, cells <= 32});
   for (const int cells : {8, 16})
-    points.push_back({"manufactured", manufactured, cells, 0.4, undamped, {}, cells <= 8});
+    points.push_back({"manufactured solution", manufactured, cells, 0.4, undamped, {}, cells <= 8});
   points.push_back({"column", column, 8, 0.4, pic, {}, true});
   for (const int cells : {16, 32})
     points.push_back({"vortex", vortex_of_15_percent, cells, 0.4, usual, {}, cells <= 16});
@@ -146,7 +146,8 @@ void plan_explicit(bool with_finest, std::vector<Point>& points) {
   for (const AlphaPolicy& policy : {undamped, per_time})
     for (const int cells : {8, 16, 32})
       if (cells < 32 || with_finest)
-        points.push_back({"manufactured", manufactured, cells, 0.4, policy, {}, cells <= 8});
+        points.push_back(
+            {"manufactured solution", manufactured, cells, 0.4, policy, {}, cells <= 8});
   for (const int cells : {8, 16, 32})
     points.push_back({"column", column, cells, 0.4, pic, {}, cells <= 16});
   for (const AlphaPolicy& policy : {undamped, usual, pic})

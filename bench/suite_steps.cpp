@@ -44,8 +44,7 @@ void plan_steps(const Registry& registry, const Options& options, const Subject&
 /// Repetitions of both solvers take turns, so that a slow minute of the machine hits both.
 void plan_speedup(const Registry& registry, const Options& options, const Subject& subject,
                   Deformation deformation, std::size_t particles, std::vector<CasePlan>& plans) {
-  CasePlan plan = step_case("speedup", subject, deformation, particles,
-                            subject.threads == 1 || subject.precision == Precision::float32);
+  CasePlan plan = step_case("speedup", subject, deformation, particles, subject.threads == 1);
   plan.run = [=, &registry](results::Case& result) {
     validate(registry, subject, deformation, options.seed, result);
     if (result.status != results::Status::measured) return;

@@ -187,7 +187,7 @@ def order_table(results):
     rows = [[c["problem"], c["solver"], c["precision"], str(c["alpha_policy"]), c["cells"], f["cells"], c.value("error"), f.value("error"), order, Code(f.command)]
             for c, f, order in order_rows(results)]
     return [Table("orders", "Observed orders", ["problem", "solver", "precision", "α", "cells", "finer", "error", "finer error", "order", "measure again"], rows,
-                  "Order between two resolutions, Δt ∝ h.", "firn bench accuracy", open=True)] if rows else []
+                  "Order between two resolutions, Δt ∝ h.", "firn bench accuracy")] if rows else []
 
 
 def best_order(results):

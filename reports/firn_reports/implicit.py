@@ -58,7 +58,7 @@ def walls(cases):
         legend(axes, ncols=2)
         made.append(Figure(f"Cost of a simulated second, {name}", to_svg(figure), command=f"firn bench 'implicit/cost,{name.replace(', ', ',')}*'",
                            caption="Below the dashed line larger steps are cheaper; whether they are accurate enough is another question. Tolerance 1e-3, "
-                                   f"{small(cases)[0]['particles']} particles." + left_out(c for c in cases if who(c) == name)))
+                                   f"{small(cases)[0]['particles']} particles." + left_out((c for c in cases if who(c) == name), lambda c: f"{stiffness(c)}, r = {c['r']}")))
     return made
 
 

@@ -22,7 +22,8 @@ def first_command(cases):
 def left_out(cases, name=lambda case: case.name):
     """What a caption adds on cases that a figure does not show; nothing if it shows all."""
     names = [name(c) for c in cases if c.status == "noisy"]
-    return f" Too noisy to quote: {'; '.join(names)}." if names else ""
+    more = f" and {len(names) - 4} more, named under “Noise of this machine”" if len(names) > 4 else ""
+    return f" Too noisy to quote: {'; '.join(names[:4])}{more}." if names else ""
 
 
 def who(case, threads=False):
