@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/landing_block.hpp"
 #include "bench/suites.hpp"
 #include "bench/timing.hpp"
 #include "firn/error.hpp"
@@ -14,44 +15,6 @@ namespace firn::bench {
 namespace {
 
 using results::Quantity;
-
-constexpr double h = 0.025, impact_speed = 1.5;
-
-/// A cube of the paper's snow with another stiffness, 8 particles per cell, jittered, that
-/// has just reached a floor with friction. Explicit; Δt from the sound speed of undeformed
-/// snow at half a cell, which hardening snow needs (Δt_explicit).
-Scene landing_block(double youngs_modulus, double cells, std::uint64_t seed) {
-  Scene scene;
-  scene.name = "landing block";
-  scene.gravity = Vec3(0, 0, -9.81);
-  scene.grid.spacing = h;
-  Material snow;
-  snow.youngs_modulus = youngs_modulus;
-  scene.materials.push_back(snow);
-  const double c = std::sqrt((snow.lambda_0() + 2 * snow.mu_0()) / snow.density);
-  scene.time.step = 0.5 * h / c;
-  scene.time.end = 1;
-  scene.time.frames_per_second = 1;
-  Body body;
-  const double half = 0.5 * cells * h;
-  body.shape = Box{Vec3(-half, -half, 0.3 * h), Vec3(half, half, 2 * half + 0.3 * h)};
-  body.seed = seed;
-  body.velocity = Vec3(0.5, 0, -impact_speed);
-  body.volumes = VolumeSource::exact;
-  scene.bodies.push_back(body);
-  Collider floor;
-  floor.shape = HalfSpace{Vec3(0, 0, 0.15 * h), Vec3(0, 0, 1)};
-  floor.friction = 0.3;
-  scene.colliders.push_back(floor);
-  return scene;
-}
-
-/// The same with steps of `factor` times Δt_explicit.
-Scene in_large_steps(Scene scene, double factor, double tolerance) {
-  scene.integrator = {IntegratorType::semi_implicit, 1.0, tolerance, 100'000};
-  scene.time.step *= factor;
-  return scene;
-}
 
 CasePlan plan_case(const std::string& kind, const Subject& subject, double youngs_modulus,
                    double factor) {
@@ -247,6 +210,7 @@ void plan_implicit_suite(const Registry& registry, const Options& options,
           plan_cost(registry, options, subject, youngs_modulus, factor, 23, false, plans);
       }
     if (slow) continue;
+    plan_iterations(registry, options, subject, plans);
     for (const double youngs_modulus : {1.4e5, 1e6, 1e7}) {
       for (const double factor : {0.5, 1.0})
         plan_error(registry, options, subject, youngs_modulus, factor, 0, youngs_modulus == 1e6,

@@ -2,6 +2,7 @@
 /// What each suite plans; suites.cpp lists them.
 
 #include "bench/bench.hpp"
+#include "bench/timing.hpp"
 
 namespace firn::bench {
 
@@ -17,6 +18,8 @@ void plan_float_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_skips_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_kernels_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_implicit_suite(const Registry&, const Options&, std::vector<CasePlan>&);
+/// Part of the suite `implicit`.
+void plan_iterations(const Registry&, const Options&, const Subject&, std::vector<CasePlan>&);
 void plan_snowball_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 void plan_targets_suite(const Registry&, const Options&, std::vector<CasePlan>&);
 
