@@ -53,7 +53,7 @@ HWY_NOINLINE void stretch_by_svd(D d, const Mat3<V>& F_minus_I, Sym3<V>& stretch
   Vec3<V> inverse;
   for (int i = 0; i < 3; ++i) {
     const V sum = sigma[(i + 1) % 3] + sigma[(i + 2) % 3];
-    inverse[i] = IfThenElse(null, zero, one / CopySign(Max(Abs(sum), smallest), sum));
+    inverse[i] = IfThenElse(null, zero, one / CopySign(larger(Abs(sum), smallest), sum));
   }
   const auto function = [&](const Vec3<V>& f) HWY_ATTR {
     const auto entry = [&](int i, int j) HWY_ATTR {

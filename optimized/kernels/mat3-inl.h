@@ -29,6 +29,28 @@ using hn::MulAdd;     // a b + c
 using hn::MulSub;     // a b − c
 using hn::NegMulAdd;  // c − a b
 
+/// The larger and the smaller of two numbers; y where they are equal (zeros of either sign) or one
+/// is not a number. That is one instruction on x86; Arm's own would choose +0 and spread the NaN.
+#if HWY_ARCH_X86
+template <class V>
+HWY_INLINE V larger(const V& x, const V& y) {
+  return Max(x, y);
+}
+template <class V>
+HWY_INLINE V smaller(const V& x, const V& y) {
+  return Min(x, y);
+}
+#else
+template <class V>
+HWY_INLINE V larger(const V& x, const V& y) {
+  return IfThenElse(x > y, x, y);
+}
+template <class V>
+HWY_INLINE V smaller(const V& x, const V& y) {
+  return IfThenElse(x < y, x, y);
+}
+#endif
+
 template <class V>
 struct Vec3 {
   V v[3];

@@ -36,11 +36,18 @@ struct Clamped {
   V difference;  ///< c − σ; exactly 0 inside the box
 };
 
+/// Where a difference is a number other than 0. (Ne leaves open what NaN is: AVX2 and AVX-512 say
+/// equal, SSE4 and NEON different.)
+template <class D, class V>
+HWY_INLINE hn::Mask<D> moved(D d, const V& difference) {
+  return Abs(difference) > Zero(d);
+}
+
 template <class D, class V>
 HWY_INLINE Clamped<V> clamp_stretch(D d, V sigma_minus_1, const ElasticBox<hn::TFromD<D>>& box) {
   const V lo = Set(d, box.lo_minus_1), hi = Set(d, box.hi_minus_1);
   Clamped<V> r;
-  r.difference = Min(Max(sigma_minus_1, lo), hi) - sigma_minus_1;
+  r.difference = smaller(larger(sigma_minus_1, lo), hi) - sigma_minus_1;
   r.gamma = r.difference / (constant(d, 1) + sigma_minus_1);
   // Where something is clamped, c is one of two known numbers: no second division.
   const V minus_inverse_c =
@@ -92,12 +99,12 @@ HWY_INLINE hn::Mask<D> clamp_root(D d, const Sym3<V>& E, V J_minus_1, ClampState
   const V one = constant(d, 1), half = constant(d, 0.5);
   k.A = deviator(d, E, k.mean);
   // A deviator far below roundoff of 1 counts as 0; the floor keeps its cube above denormals.
-  const V p = Max(deviator_size(d, k.A), constant(d, isotropic<hn::TFromD<D>>));
+  const V p = larger(deviator_size(d, k.A), constant(d, isotropic<hn::TFromD<D>>));
   const V size = Sqrt(p);
   const V inverse = one / size;
   const V det_A = det(k.A);
   const V h = Abs(det_A) * ((inverse * inverse) * (inverse * half));
-  const V c = svd_detail::cos_third(d, Min(h, one));
+  const V c = svd_detail::cos_third(d, smaller(h, one));
   k.half_root = CopySign(size * c, det_A);  // the root of A is 2√p cos θ
   // (root−λ2)(root−λ3) = 3p(4c² − 1) ≥ 6p: known before the adjugate is.
   k.inverse_trace = one / ((p * constant(d, 3)) * MulSub(constant(d, 4), c * c, one));
@@ -122,7 +129,7 @@ HWY_INLINE void clamp_plane(D d, ClampState<V>& k) {
   const V off = MulAdd(N.yz, N.yz, MulAdd(N.xz, N.xz, N.xy * N.xy));
   const V diagonal = MulAdd(N.zz, N.zz, MulAdd(N.yy, N.yy, N.xx * N.xx));
   const V square = MulAdd(constant(d, 0.5), diagonal, off);
-  k.delta = Sqrt(Max(square, constant(d, isotropic<hn::TFromD<D>>)));
+  k.delta = Sqrt(larger(square, constant(d, isotropic<hn::TFromD<D>>)));
   k.adjugate_A = adj;
   k.A = N;
 }
@@ -132,7 +139,7 @@ template <class D, class V>
 HWY_INLINE hn::Mask<D> clamp_values(D d, const ElasticBox<hn::TFromD<D>>& box,
                                     const ClampState<V>& k, ClampFunction<V>& Gamma,
                                     ClampFunction<V>& H) {
-  const V half = constant(d, 0.5), zero = Zero(d);
+  const V half = constant(d, 0.5);
   const V plane = k.mean - k.half_root;
   const V e1 = MulAdd(constant(d, 2), k.half_root, k.mean);
   const Clamped<V> r1 = clamp_stretch(d, sqrt_one_plus_minus_one(d, e1), box);
@@ -146,7 +153,7 @@ HWY_INLINE hn::Mask<D> clamp_values(D d, const ElasticBox<hn::TFromD<D>>& box,
   };
   Gamma = function(r1.gamma, r2.gamma, r3.gamma);
   H = function(r1.eta, r2.eta, r3.eta);
-  return Or(Or(Ne(r1.difference, zero), Ne(r2.difference, zero)), Ne(r3.difference, zero));
+  return Or(Or(moved(d, r1.difference), moved(d, r2.difference)), moved(d, r3.difference));
 }
 
 /// The function as a matrix.
@@ -173,11 +180,11 @@ HWY_NOINLINE void clamp_by_svd(D d, const Mat3<V>& F_hat_minus_I,
   svd(d, plus_identity(d, F_hat_minus_I), U, sigma, V_);
   changed = MaskFromVec(zero);
   for (int j = 0; j < 3; ++j) {
-    // Comparisons rather than Min and Max: NaN must pass through on every processor.
+    // Comparisons rather than larger() and smaller(): NaN must pass through on every processor.
     const V s = sigma[j] - one, lo = Set(d, box.lo_minus_1), hi = Set(d, box.hi_minus_1);
     const V c = IfThenElse(s > hi, hi, IfThenElse(s < lo, lo, s));
     const V difference = c - s;
-    changed = Or(changed, Ne(difference, zero));
+    changed = Or(changed, moved(d, difference));
     const V eta = Neg(difference / (one + c));
     for (int i = 0; i < 3; ++i) W(i, j) = U(i, j) * difference, Z(i, j) = V_(i, j) * eta;
   }

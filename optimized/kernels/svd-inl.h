@@ -82,7 +82,7 @@ HWY_INLINE void complete_basis(D d, const Vec3<V>& n, Vec3<V>& e, Vec3<V>& f) {
 template <class D, class V>
 HWY_INLINE void jacobi_rotation(D d, V difference, V twice_off, V& c, V& s) {
   const V r = Sqrt(MulAdd(difference, difference, twice_off * twice_off));
-  const V t = twice_off / Max(Abs(difference) + r, tiny(d));
+  const V t = twice_off / larger(Abs(difference) + r, tiny(d));
   c = constant(d, 1) / Sqrt(MulAdd(t, t, constant(d, 1)));
   s = t * c;
 }
@@ -128,7 +128,7 @@ HWY_NOINLINE void rescale(D d, hn::Mask<D> odd, SvdState<V>& k) {
   V largest = Abs(k.A.m[0]);
   auto finite = IsFinite(k.A.m[0]);
   for (int i = 1; i < 9; ++i) {
-    largest = Max(largest, Abs(k.A.m[i]));
+    largest = larger(largest, Abs(k.A.m[i]));
     finite = And(finite, IsFinite(k.A.m[i]));
   }
   // Denormals first: 2^60 or 2^300 lifts them all into the normal range.
@@ -136,7 +136,7 @@ HWY_NOINLINE void rescale(D d, hn::Mask<D> odd, SvdState<V>& k) {
           down = constant(d, single ? 0x1p-60 : 0x1p-300);
   const auto small = And(odd, largest < constant(d, single ? 0x1p-60 : 0x1p-300));
   const V lift = IfThenElse(small, up, one);
-  largest = Max(largest * lift, constant(d, single ? 0x1p-126 : 0x1p-1022));
+  largest = larger(largest * lift, constant(d, single ? 0x1p-126 : 0x1p-1022));
   V power = power_of_two_below(d, largest);
   power = IfThenElse(And(odd, finite), power, one);
   const V poison = constant(d, std::numeric_limits<double>::quiet_NaN());
@@ -167,11 +167,11 @@ HWY_INLINE void isolated_eigenvalue(D d, SvdState<V>& k) {
   }
   V mean;
   const Sym3<V> A = deviator(d, C, mean);
-  const V size = one / Sqrt(Max(deviator_size(d, A), tiny(d)));
+  const V size = one / Sqrt(larger(deviator_size(d, A), tiny(d)));
   k.S = {A.xx * size, A.xy * size, A.xz * size, A.yy * size, A.yz * size, A.zz * size};
 
   const V det_S = det(k.S);
-  const V h = Min(Abs(det_S) * constant(d, 0.5), one);
+  const V h = smaller(Abs(det_S) * constant(d, 0.5), one);
   const V c = cos_third(d, h);
   k.root = CopySign(c + c, det_S);
 }
@@ -184,11 +184,11 @@ HWY_INLINE void isolated_eigenvector(D d, SvdState<V>& k) {
   // The column with the largest diagonal entry is the longest, and that entry its largest: the
   // trace is (root−λ2)(root−λ3) ≥ 3, so it is at least 1. Divided by it the column reads (1, a, b)
   // in some order, which gives a diagonal matrix its axes exactly.
-  const auto third = adj.zz > Max(adj.xx, adj.yy);
+  const auto third = adj.zz > larger(adj.xx, adj.yy);
   const auto second = AndNot(third, adj.yy > adj.xx);
   const auto first = Not(Or(second, third));
   const V one = constant(d, 1);
-  const V inverse = one / Max(Max(adj.xx, adj.yy), adj.zz);
+  const V inverse = one / larger(larger(adj.xx, adj.yy), adj.zz);
   const V a = IfThenElse(third, adj.xz, adj.xy) * inverse;
   const V b = IfThenElse(first, adj.xz, adj.yz) * inverse;
   const V w = one / Sqrt(MulAdd(a, a, MulAdd(b, b, one)));
@@ -239,8 +239,8 @@ HWY_INLINE hn::Mask<D> not_orthogonal(D d, const SvdState<V>& k, double multiple
   const V eps = epsilon(d, multiple);
   const V limit = eps * k.square[0];                            // |b0·b_j| ≤ m eps |b0|²
   const V limit12 = (eps * eps) * (k.square[0] * k.square[1]);  // |b1·b2| ≤ m eps |b0||b1|
-  auto bad = Max(Abs(b01), Abs(b02)) > limit;
-  bad = Or(bad, b12 * b12 > Max(limit12, tiny(d)));
+  auto bad = larger(Abs(b01), Abs(b02)) > limit;
+  bad = Or(bad, b12 * b12 > larger(limit12, tiny(d)));
   // Squares differ by roundoff where columns are equal: 8 eps, relative (never absolute) slack.
   const V slack = constant(d, 1) + epsilon(d, 8);
   bad = Or(bad, k.square[1] > k.square[0] * slack);
@@ -321,8 +321,8 @@ HWY_INLINE void left_vectors(D d, SvdState<V>& k, Mat3<V>& U, Vec3<V>& sigma) {
     U(i, 0) = u1[i], U(i, 1) = u2[i], U(i, 2) = u3[i];
   }
   // Roundoff may order equal values wrongly by an ulp: the convention is exact.
-  const V sigma2 = Min(IfThenElse(null2, zero, s2), s1);
-  const V sigma3 = Max(Min(dot(u3, k.b[2]), sigma2), Neg(sigma2));
+  const V sigma2 = smaller(IfThenElse(null2, zero, s2), s1);
+  const V sigma3 = larger(smaller(dot(u3, k.b[2]), sigma2), Neg(sigma2));
   sigma = {{s1, sigma2, sigma3}};
   if (HWY_UNLIKELY(k.scaled))
     for (V& s : sigma.v) s = s * k.scale[0] * k.scale[1];

@@ -111,11 +111,9 @@ struct Worst {
 
 /// What one lane must satisfy. Roundoff of numbers of size `size` and of their products, a few
 /// dozen of them: 16 eps.
-template <class T>
-void check_lane(const State<T>& before, const State<T>& after, std::size_t i, Worst<T>& worst) {
-  const Matrix F_hat = plus_identity(matrix(before.E, i)), F_P = plus_identity(matrix(before.P, i));
-  const auto exact = return_map_oracle(F_hat, F_P, 1 - static_cast<Real>(static_cast<T>(theta_c)),
-                                       1 + static_cast<Real>(static_cast<T>(theta_s)));
+template <class T, class Exact>
+void check_lane(const Matrix& F_hat, const Matrix& F_P, const Exact& exact, const State<T>& after,
+                std::size_t i, Worst<T>& worst) {
   const Matrix E = plus_identity(matrix(after.E, i)), P = plus_identity(matrix(after.P, i));
   const Real size = std::max(Real(1), exact.trial.sigma[0]);
 
@@ -160,9 +158,13 @@ void check_family(const Family& family, std::uint64_t seed) {
   table.return_map_svd(box, full.E.data(), full.P.data(), full.changed.data(), full.E.packets());
   Worst<T> worst_fast, worst_full;
   for (std::size_t i = 0; i < n; ++i) {
-    check_lane(before, fast, i, worst_fast);
-    check_lane(before, full, i, worst_full);
-    const Svd hat = svd_oracle(plus_identity(matrix(before.E, i)));
+    const Matrix F_hat = plus_identity(matrix(before.E, i)),
+                 F_P = plus_identity(matrix(before.P, i));
+    const auto exact = return_map_oracle(F_hat, F_P, 1 - static_cast<Real>(static_cast<T>(theta_c)),
+                                         1 + static_cast<Real>(static_cast<T>(theta_s)));
+    check_lane(F_hat, F_P, exact, fast, i, worst_fast);
+    check_lane(F_hat, F_P, exact, full, i, worst_full);
+    const Svd& hat = exact.trial;
     if (hat.sigma[1] + hat.sigma[2] < 0.5L) continue;
     Real ways = 0;
     for (std::size_t k = 0; k < 9; ++k)
