@@ -6,6 +6,7 @@
 #include <hwy/targets.h>
 
 #include "firn/error.hpp"
+#include "optimized/implicit/kernel_table.hpp"
 #include "optimized/kernel_table.hpp"
 #include "optimized/optimized_solver.hpp"
 
@@ -53,6 +54,11 @@ void select_target(const std::string& name) {
       return;
     }
   throw InputError("FIRN_TARGET", "instruction set", name, list(optimized_targets()));
+}
+
+std::vector<std::string> dispatched_targets() {
+  return {float_kernels().target, double_kernels().target, setup_kernels<float>().target,
+          setup_kernels<double>().target};
 }
 
 void select_target_from_environment() {

@@ -11,6 +11,10 @@ namespace firn::optimized {
 /// on another thread. InputError if the processor or the build lacks it.
 void select_target(const std::string& name);
 
+/// The names that the kernels carry which are dispatched now, of explicit steps and of the
+/// semi-implicit solve, in float and double: all alike, or something is wrong.
+std::vector<std::string> dispatched_targets();
+
 /// As FIRN_TARGET says; called by every new solver.
 void select_target_from_environment();
 

@@ -46,6 +46,7 @@ struct FieldKernels {
 /// What only the storage type matters for.
 template <class S>
 struct SetupKernels {
+  const char* target;  ///< name of the instruction set
   /// The factors of a block's particles. `cells` and `begin` are written, too.
   void (*factors)(const BlockView<S>&, const StepConstants<S>&, std::uint8_t* cells,
                   std::int32_t* begin, S* factors);

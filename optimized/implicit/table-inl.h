@@ -36,7 +36,7 @@ FieldKernels<T> make_field_kernels() {
 
 template <class S>
 SetupKernels<S> make_setup_kernels() {
-  return {&hessian_factors_of_block<S>};
+  return {hwy::TargetName(HWY_TARGET), &hessian_factors_of_block<S>};
 }
 
 }  // namespace HWY_NAMESPACE

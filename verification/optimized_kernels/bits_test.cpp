@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "verification/optimized_kernels/kernel_fixture.hpp"
+#include "verification/oracles/processor.hpp"
 #include "verification/oracles/svd_families.hpp"
 
 namespace firn::verification {
@@ -47,6 +48,15 @@ Packed<T> sample(std::uint64_t seed, bool strains) {
     }
   }
   return A;
+}
+
+/// No instruction set of the processor goes untested because it was not built or not noticed.
+TEST(KernelTargets, EverythingThatTheProcessorHasIsTested) {
+  std::vector<std::string> tested;
+  for (const auto target : hwy::SupportedAndGeneratedTargets())
+    tested.push_back(hwy::TargetName(target));
+  for (const std::string& name : instruction_sets_of_the_processor())
+    EXPECT_EQ(std::count(tested.begin(), tested.end(), name), 1) << name;
 }
 
 class KernelBits : public EveryTarget {

@@ -37,11 +37,15 @@ struct Eigen3 {
 
 inline Eigen3 symmetric_eigen(Matrix S) {
   Matrix Q = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-  for (int sweep = 0; sweep < 40; ++sweep)
+  bool turned = true;
+  for (int sweep = 0; sweep < 40 && turned; ++sweep) {
+    turned = false;
     for (int p = 0; p < 2; ++p)
       for (int q = p + 1; q < 3; ++q) {
         const Real off = S[3 * p + q];
-        if (off == 0) continue;
+        // Roundoff of a long double of 64 bits; what is left moves an eigenvalue by no more.
+        if (std::abs(off) <= 0x1p-62L * (std::abs(S[4 * p]) + std::abs(S[4 * q]))) continue;
+        turned = true;
         const Real h = S[4 * q] - S[4 * p], r = std::hypot(h, 2 * off);
         const Real t = (h >= 0 ? 1 : -1) * 2 * off / (std::abs(h) + r);
         const Real c = 1 / std::sqrt(1 + t * t), s = t * c;
@@ -50,6 +54,7 @@ inline Eigen3 symmetric_eigen(Matrix S) {
         S = multiply(transpose(G), multiply(S, G));
         Q = multiply(Q, G);
       }
+  }
   return {{S[0], S[4], S[8]}, Q};
 }
 

@@ -43,6 +43,11 @@ inline Real norm(const Matrix& A) {
 
 namespace oracle_detail {
 
+/// Columns count as orthogonal when the cosine of their angle is below this. The roundoff of a
+/// cosine itself is up to 3e-19 (x86's long double, 64 bits): with less, noise would be rotated
+/// without end.
+inline constexpr Real orthogonal_cosine = 5e-19L;
+
 /// Rotates columns p, q of B (and of V with them) until they are orthogonal and
 /// |b_p| ≥ |b_q|. Returns whether anything changed: an exchange counts.
 inline bool orthogonalize(Matrix& B, Matrix& V, int p, int q) {
@@ -53,7 +58,7 @@ inline bool orthogonalize(Matrix& B, Matrix& V, int p, int q) {
     pq += B[3 * i + p] * B[3 * i + q];
   }
   Real c, s;
-  if (std::abs(pq) <= 1e-20L * std::sqrt(pp) * std::sqrt(qq)) {
+  if (std::abs(pq) <= orthogonal_cosine * std::sqrt(pp) * std::sqrt(qq)) {
     if (pp >= qq) return false;
     c = 0, s = 1;
   } else {
