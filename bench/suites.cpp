@@ -8,6 +8,7 @@ const std::vector<SuiteEntry>& suites() {
       {"kernels", "single kernels with Google Benchmark, beside Eigen and GSL", plan_kernels_suite,
        0.4, 0.4},
       {"speedup", "each solver against the reference, interleaved", plan_speedup_suite, 2.8, 3},
+      {"steps", "particle-steps per second over sizes and threads", plan_steps_suite, 1.7, 7},
       {"stages", "time per particle and stage, shares of FMA peak and bandwidth", plan_stages_suite,
        3.4, 5},
       {"skips", "what each skip of the optimized solver saves, and where it costs",
@@ -26,7 +27,6 @@ const std::vector<SuiteEntry>& suites() {
        plan_targets_suite, 2.6, 2.6},
       {"scaling", "cost per particle over their number, and efficiency of threads",
        plan_scaling_suite, 3, 6.1},
-      {"steps", "particle-steps per second over sizes and threads", plan_steps_suite, 1.7, 7},
   };
   return all;
 }

@@ -1,6 +1,6 @@
 """The summary of a results file as a Markdown table, for the README."""
 
-from . import accuracy
+from . import accuracy, limits
 from . import results_figures as figures
 from . import results_tables as tables
 from .page import number
@@ -16,7 +16,10 @@ def rate_rows(results):
     rows = []
     for name in sorted({(c["solver"], c["precision"], c["deformation"]) for c in cases}, key=lambda n: (n[0] != "reference", n)):
         mine = [c for c in cases if (c["solver"], c["precision"], c["deformation"]) == name]
-        particles = max((c["particles"] for c in mine if c["threads"] == 1), default=None)
+        # The largest block that was quoted with one thread and with all; else with one.
+        most = max(c["threads"] for c in mine)
+        sizes = {t: {c["particles"] for c in mine if c["threads"] == t} for t in (1, most)}
+        particles = max(sizes[1] & sizes[most] or sizes[1], default=None)
         at = {c["threads"]: c for c in mine if c["particles"] == particles}
         if 1 not in at:
             continue
@@ -38,7 +41,7 @@ def facts(results):
         found.append((f"share of the FMA peak of {figures.widest(results)}, {share[1]}, plain count", f"{number(100 * share[0], 2)} %"))
     if (order := accuracy.best_order(results)):
         found.append((f"observed order, {order[1]}", number(order[0], 3)))
-    if (worst := tables.worst_stability(results)):
+    if (worst := limits.worst_limit(results)):
         found.append((f"stability limits, largest distance from prediction ({worst[1]})", f"{number(100 * worst[0], 2)} %"))
     for subject, verdict in results.verify.items():
         found.append((f"verification of {subject}", f"{verdict['verdict']}, {len(verdict['rows'])} checks"))

@@ -46,12 +46,6 @@ def roofline_points(results):
                   "flop per byte", "% of FMA peak", "measure again"], rows, command="firn bench roofline steps")] if rows else []
 
 
-def worst_stability(results):
-    rows = [(abs(c.value("cfl") / c.value("predicted_cfl") - 1), f"{c['varied']}: {number(c['value'])}", c) for c in results.suite("stability")
-            if c.quotable and "predicted_cfl" in c.quantities]
-    return max(rows, key=lambda row: row[0], default=None)
-
-
 def worst_scaling(results):
     """(speed-up, threads, who) where more threads bring least, from interleaved runs."""
     rows = [(c.value("efficiency") * c["threads"], c["threads"], f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])} particles", c)
