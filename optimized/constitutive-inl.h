@@ -80,20 +80,24 @@ HWY_INLINE Trial<D> examine(D d, const StepConstants<T>& step, const MaterialCon
   return trial;
 }
 
-/// The plastic flow of the lanes that are not certified: F̂_E to F_E and F_P. The
-/// exponential of the hardening is taken where J_P has changed.
+/// The clamp of the lanes that are not certified: F̂_E to F_E, and the strain that the stress
+/// needs. Returns the lanes in which something changed; H is for flow_into().
 template <class D, class V, class T = hn::TFromD<D>>
-HWY_INLINE void flow(D d, const MaterialConstants<T>& m, V V_0, Trial<D>& trial,
-                     Deformation<V>& p) {
-  kn::Mat3<V> E_E = p.E_E, E_P = p.E_P;
-  const auto changed = AndNot(trial.inside, kn::return_map(d, m.box, trial.J_minus_1, E_E, E_P));
-  if (HWY_LIKELY(!AllFalse(d, changed))) {
-    p.E_E = kn::select(changed, E_E, p.E_E);
-    p.E_P = kn::select(changed, E_P, p.E_P);
-    p.stiffness = IfThenElse(changed, stiffness(d, m, V_0, E_P), p.stiffness);
-    trial.E = kn::left_strain(p.E_E);
-    trial.J_minus_1 = kn::det_minus_one(p.E_E);
-  }
+HWY_INLINE hn::Mask<D> clamp(D d, const MaterialConstants<T>& m, Trial<D>& trial, kn::Mat3<V>& E_E,
+                             kn::Sym3<V>& H) {
+  const auto changed = kn::clamp_elastic(d, m.box, Not(trial.inside), trial.J_minus_1, E_E, H);
+  trial.E = kn::left_strain(E_E);
+  trial.J_minus_1 = kn::det_minus_one(E_E);
+  return changed;
+}
+
+/// What the clamp took from F_E goes into F_P. The exponential of the hardening is taken
+/// where J_P has changed.
+template <class D, class V, class M, class T = hn::TFromD<D>>
+HWY_INLINE void flow(D d, const MaterialConstants<T>& m, const M& changed, const kn::Sym3<V>& H,
+                     const V& V_0, kn::Mat3<V>& E_P, V& stiff) {
+  kn::flow_into(changed, H, E_P);
+  stiff = IfThenElse(changed, stiffness(d, m, V_0, E_P), stiff);
 }
 
 /// Stage 7, second half: F̂_E to F_E and F_P, and the stress. Particles certified
@@ -103,7 +107,11 @@ template <class D, class V, class T = hn::TFromD<D>>
 HWY_INLINE hn::Mask<D> return_map(D d, const StepConstants<T>& step, const MaterialConstants<T>& m,
                                   V V_0, Deformation<V>& p) {
   Trial<D> trial = examine(d, step, m, p.E_E);
-  if (m.box.bounded && !AllTrue(d, trial.inside)) flow(d, m, V_0, trial, p);
+  if (m.box.bounded && !AllTrue(d, trial.inside)) {
+    kn::Sym3<V> H;
+    const auto changed = clamp(d, m, trial, p.E_E, H);
+    if (HWY_LIKELY(!AllFalse(d, changed))) flow(d, m, changed, H, V_0, p.E_P, p.stiffness);
+  }
   if (HWY_UNLIKELY(!step.skip.hardening)) p.stiffness = stiffness(d, m, V_0, p.E_P);
   return And(trial.inside, stress(d, m, trial.E, trial.J_minus_1, p));
 }

@@ -44,7 +44,6 @@ template <class T>
 void OptimizedSolver<T>::sum_tiles(std::size_t n, ThreadMemory<T>& memory,
                                    NodeFields<T>& node) const {
   const NodeBlock& block = nodes_.block(n);
-  std::fill_n(memory.sums.data(), kernels_.sums_size, T(0));
   const Share* share = nodes_.shares(block);
   for (int k = 0; k < block.share_count; ++k)
     kernels_.add_tile(nodes_.tile(static_cast<std::size_t>(share[k].tile_number)), share[k].region,

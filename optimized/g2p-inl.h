@@ -84,38 +84,56 @@ HWY_INLINE void gather_weights(const T* q, GatherWeights<T>& g) {
   hn::Store(hn::Add(hn::ShiftLeft<2>(xy), z.cell), di, g.place);
 }
 
+/// The rows of one particle, contracted over x and y: Σ w_x w_y v of every row, and of the
+/// gradient rows Σ w'_x w_y v and Σ w_x w'_y v as well.
+template <class T>
+struct Contracted {
+  Row<T> value[gather_rows<T>], d_x[gradient_rows<T>], d_y[gradient_rows<T>];
+};
+
+/// Rows first … last−1 of them.
+template <int first, int last, class T>
+HWY_INLINE void contract(const GatherWeights<T>& g, int l, const T* from, Contracted<T>& sum) {
+  const Row<T> t = all(g.t + l), w0 = all(g.w0 + l), w3 = all(g.w3 + l);
+  const Row<T> d0 = all(g.d0 + l), d3 = all(g.d3 + l);
+  for (int j = 0; j < 4; ++j, from += coefficient_y<T>) {
+    const Row<T> w_y = all(g.w_y[j] + l), dw_y = all(g.d_y[j] + l);
+    for (int r = first; r < last; ++r) {
+      const T* p = from + r * tile_row_size<T>;
+      const Row<T> slope = load_row(p + kind_stride<T>);
+      const Row<T> s1 = load_row(p + 2 * kind_stride<T>);
+      const Row<T> s2 = load_row(p + coefficient_x<T> + 2 * kind_stride<T>);
+      const Row<T> b = mul_add(w3, s2, mul_add(w0, s1, mul_add(t, slope, load_row(p))));
+      sum.value[r] = j == 0 ? w_y * b : mul_add(w_y, b, sum.value[r]);
+      if (r < gradient_rows<T>) {
+        const Row<T> e = mul_add(d3, s2, mul_add(d0, s1, slope));
+        sum.d_x[r] = j == 0 ? w_y * e : mul_add(w_y, e, sum.d_x[r]);
+        sum.d_y[r] = j == 0 ? dw_y * b : mul_add(dw_y, b, sum.d_y[r]);
+      }
+    }
+  }
+}
+
 /// One particle: its rows to `out`, `stride` apart.
 template <class T>
 HWY_INLINE void gather_particle(const ZKernel<T>& kernel, const Row<T>& gradient_lanes,
                                 const GatherWeights<T>& g, int l, const T* coefficients, T* out,
                                 int stride) {
-  constexpr int R = tile_row_size<T>, rows = gather_rows<T>, gradients = gradient_rows<T>;
+  constexpr int rows = gather_rows<T>, gradients = gradient_rows<T>;
   const int place = static_cast<int>(g.place[l]);
   const T* from = coefficients + (place >> 2) * coefficient_y<T> + (place & 3) * channels<T>;
-  const Row<T> t = all(g.t + l), w0 = all(g.w0 + l), w3 = all(g.w3 + l);
-  const Row<T> d0 = all(g.d0 + l), d3 = all(g.d3 + l);
-  Row<T> value[rows], d_x[gradients], d_y[gradients];
-  for (int j = 0; j < 4; ++j, from += coefficient_y<T>) {
-    const Row<T> w_y = all(g.w_y[j] + l), dw_y = all(g.d_y[j] + l);
-    for (int r = 0; r < rows; ++r) {
-      const T* p = from + r * R;
-      const Row<T> slope = load_row(p + kind_stride<T>);
-      const Row<T> s1 = load_row(p + 2 * kind_stride<T>);
-      const Row<T> s2 = load_row(p + coefficient_x<T> + 2 * kind_stride<T>);
-      const Row<T> b = mul_add(w3, s2, mul_add(w0, s1, mul_add(t, slope, load_row(p))));
-      value[r] = j == 0 ? w_y * b : mul_add(w_y, b, value[r]);
-      if (r < gradients) {
-        const Row<T> e = mul_add(d3, s2, mul_add(d0, s1, slope));
-        d_x[r] = j == 0 ? w_y * e : mul_add(w_y, e, d_x[r]);
-        d_y[r] = j == 0 ? dw_y * b : mul_add(dw_y, b, d_y[r]);
-      }
-    }
+  Contracted<T> sum;
+  if constexpr (channels<T> == 1) {  // all 12 sums at once would not fit into 16 registers
+    contract<0, gradients>(g, l, from, sum);
+    contract<gradients, rows>(g, l, from, sum);
+  } else {
+    contract<0, rows>(g, l, from, sum);
   }
   Row<T> w, d;
   kernel.weights(g.r + l, w, d);
   for (int r = 0; r < gradients; ++r) {
-    store_row(d_x[r] * w, out + 3 * r * stride);
-    store_row(d_y[r] * w, out + (3 * r + 1) * stride);
+    store_row(sum.d_x[r] * w, out + 3 * r * stride);
+    store_row(sum.d_y[r] * w, out + (3 * r + 1) * stride);
     // A row may hold components of v_new beside one of u: those take w, not w'.
     const bool mixed = (r + 1) * channels<T> > 3;
     Row<T> d_or_w = d;
@@ -123,10 +141,10 @@ HWY_INLINE void gather_particle(const ZKernel<T>& kernel, const Row<T>& gradient
       for (int i = 0; i < row_vectors<T>; ++i)
         d_or_w.part[i] =
             hn::IfThenElse(hn::MaskFromVec(gradient_lanes.part[i]), d.part[i], w.part[i]);
-    store_row(value[r] * d_or_w, out + (3 * r + 2) * stride);
+    store_row(sum.value[r] * d_or_w, out + (3 * r + 2) * stride);
   }
   for (int r = gradients; r < rows; ++r)
-    store_row(value[r] * w, out + (2 * gradients + r) * stride);
+    store_row(sum.value[r] * w, out + (2 * gradients + r) * stride);
 }
 
 /// Of a vector of particles: h ∂v_new/∂x, row-major, and Σ u w.
@@ -146,17 +164,13 @@ struct ChunkAhead {
 
   HWY_INLINE void prefetch(int l) const {
     if (chunk == nullptr) return;
-    // x, v, F_E; τ, V_p0 and stiffness; F_P: in this order.
-    constexpr int first_part = slot_E_P, second_part = slot_index - slot_tau;
-    const int lines = first_part + second_part + (plastic ? slot_tau - slot_E_P : 0);
-    const int from = lines * (place + l) / chunk_lanes<T>;
-    const int to = lines * (place + l + 1) / chunk_lanes<T>;
-    for (int k = from; k < to; ++k) {
-      const int slot = k < first_part                 ? k
-                       : k < first_part + second_part ? k - first_part + slot_tau
-                                                      : k - second_part;
-      hwy::Prefetch(chunk + slot * chunk_lanes<T>);
-    }
+    // Slots 0 … 31 in equal shares; those of F_P lie in 16 … 23, but for one.
+    static_assert(slot_E_P == 15 && slot_tau == 24 && slot_stiffness == 32);
+    constexpr int lines = 32 / chunk_lanes<T>;
+    const int first = lines * (place + l);
+    if (first == 0) hwy::Prefetch(chunk + slot_stiffness * chunk_lanes<T>);
+    if (!plastic && (first & ~7) == 16) return;
+    for (int k = 0; k < lines; ++k) hwy::Prefetch(chunk + (first + k) * chunk_lanes<T>);
   }
 };
 
@@ -173,8 +187,9 @@ HWY_INLINE void gather(const ZKernel<T>& kernel, const Row<T>& gradient_lanes, c
     gather_particle(kernel, gradient_lanes, g, l, coefficients, rows + l * row_size<T>, stride);
   }
   if (HWY_UNLIKELY(n < L)) {  // spare lanes hold zeros, so that nothing spills over from old memory
+    const Row<T> zeros = per_node<T>(0, 0, 0, 0);
     for (int r = 0; r < gathered_rows<T>; ++r)
-      for (int i = n * row_size<T>; i < stride; ++i) rows[r * stride + i] = 0;
+      for (int l = n; l < L; ++l) store_row(zeros, rows + r * stride + l * row_size<T>);
   }
   // Channels in order: v_x v_y v_z u_x u_y u_z.
   Vec<T> out[C];

@@ -77,13 +77,17 @@ HWY_INLINE void interleave(const T* const* from, T* row) {
   }
 }
 
+/// Leaves zeros behind for the sums of the next node block.
 template <class T>
-void planar(const T* sums, NodeFields<T>& node) {
+void planar(T* sums, NodeFields<T>& node) {
   alignas(64) T unused[nodes_per_block];
   T* const to[8] = {node.momentum[0], node.momentum[1], node.momentum[2], node.m,
                     node.f[0],        node.f[1],        node.f[2],        unused};
-  for (int r = 0; r < tile_rows<T>; ++r)
-    separate(sums + r * 16 * row_size<T>, to + r * channels<T>);
+  const Lanes<T> d;
+  for (int r = 0; r < tile_rows<T>; ++r, sums += 16 * row_size<T>) {
+    separate(sums, to + r * channels<T>);
+    for (int i = 0; i < 16 * row_size<T>; i += lane_count<T>) hn::Store(hn::Zero(d), d, sums + i);
+  }
 }
 
 /// Applies `formula` to the nodes, a vector at a time; nodes without mass give 0.

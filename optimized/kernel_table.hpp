@@ -21,8 +21,9 @@ struct KernelTable {
 
   /// Values in a node block's sums, which start from zero.
   int sums_size;
-  /// Sums (rows as in a tile, 4 nodes in z) to planar momentum, mass and Σ A ∂w.
-  void (*planar)(const T* sums, NodeFields<T>&);
+  /// Sums (rows as in a tile, 4 nodes in z) to planar momentum, mass and Σ A ∂w; the sums
+  /// are zero again afterwards.
+  void (*planar)(T* sums, NodeFields<T>&);
 
   /// Stage 1: v_i = (m v)_i / m_i.
   void (*node_velocities)(NodeFields<T>&);

@@ -75,6 +75,7 @@ template <int first, int count, class T>
 HWY_INLINE void accumulate_mass(const ParticleRows<T>* rows, const T* record, int n, int j,
                                 T* sums) {
   RowSums<T> a[2] = {RowSums<T>(sums), RowSums<T>(sums + (count - 1) * tile_row_size<T>)};
+  FIRN_UNROLL_TWICE
   for (int p = 0; p < n; ++p, record += record_size) {
     const Row<T> w_y = all(record + record_w_y + j), t = all(record + record_t);
     const Row<T> w0 = all(record + record_w_x0), w3 = all(record + record_w_x3);
@@ -94,6 +95,7 @@ template <int first, int count, class T>
 HWY_INLINE void accumulate_force(const ParticleRows<T>* rows, const T* record, int n, int j,
                                  T* sums) {
   RowSums<T> a[2] = {RowSums<T>(sums), RowSums<T>(sums + (count - 1) * tile_row_size<T>)};
+  FIRN_UNROLL_TWICE
   for (int p = 0; p < n; ++p, record += record_size) {
     // Weight by weight, not row by row: at most two weights are alive at a time, and
     // 8 sums, 2 b and 2 D fit into 16 registers beside them.
@@ -267,6 +269,7 @@ void scatter(const BlockView<T>& block, const BlockView<T>* next, const StepCons
   for (int x = 0; x < block_cells; ++x) {
     const bool any = begin[16 * x + 16] > begin[16 * x];
     if (any) {
+      FIRN_UNROLL_TWICE
       for (int i = 0; i < slab; i += lane_count<T>) hn::Store(hn::Zero(d), d, work.moments + i);
       const int planes = x == 0 ? 4 : 1;  // finish_slab() comes to these for the first time
       const ScatterAhead<T> ahead{tile + (x == 0 ? 0 : x + 3) * plane,

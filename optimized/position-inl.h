@@ -47,12 +47,9 @@ HWY_INLINE AxisPosition<T> axis_position(const T* slot) {
   } else {
     const auto x = hn::Load(d, slot);
     const auto floor = hn::Floor(x);
-    // 0 … 3 without a 64-bit conversion, which AVX2 lacks.
-    const auto one = hn::Set(di, 1);
-    const auto at_least = [&](double c) HWY_ATTR {
-      return hn::IfThenElseZero(hn::RebindMask(di, hn::Ge(x, hn::Set(d, c))), one);
-    };
-    a.cell = hn::Add(hn::Add(at_least(1), at_least(2)), at_least(3));
+    // Without a 64-bit conversion, which AVX2 lacks: 2^52 + n holds n in its last bits.
+    const auto shifted = hn::BitCast(di, hn::Add(floor, hn::Set(d, 0x1p52)));
+    a.cell = hn::And(shifted, hn::Set(di, block_cells - 1));
     a.t = hn::Sub(x, floor);
     a.o = hn::Sub(hn::Set(d, 1.0), a.t);
   }

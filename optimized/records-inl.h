@@ -78,9 +78,10 @@ HWY_INLINE void store_quads(const Vec<T>& a, const Vec<T>& b, const Vec<T>& c, c
 /// The chunk that holds particle i of a block; i is a multiple of the vector length.
 template <class T>
 HWY_INLINE T* vector_of(const BlockView<T>& block, int slots, int i) {
-  const int in_page = i % page_particles;
-  return block.pages[i / page_particles] + (in_page / chunk_lanes<T>)*slots * chunk_lanes<T> +
-         in_page % chunk_lanes<T>;
+  const auto u = static_cast<unsigned>(i);  // so that / and % are a shift and a mask
+  const unsigned chunk = u % page_particles / chunk_lanes<T>;
+  return block.pages[u / page_particles] + chunk * static_cast<unsigned>(slots) * chunk_lanes<T> +
+         u % chunk_lanes<T>;
 }
 
 /// Asks for slots first … last−1 of the chunk that holds particle i, if there is one.
@@ -103,10 +104,6 @@ HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* 
   alignas(64) Integer<T> id[n];
   for (int i = 0; i < block.count; i += n) {
     const T* q = vector_of(block, slots, i);
-    if (i % chunk == 0) {
-      prefetch_chunk(block, slots, i + 2 * chunk, slot_x, slot_v + 3);
-      prefetch_chunk(block, slots, i + 2 * chunk, slot_tau, slot_m + 1);
-    }
     const auto x = axis_position<T>(q + slot_x * chunk).cell;
     const auto y = axis_position<T>(q + (slot_x + 1) * chunk).cell;
     const auto z = axis_position<T>(q + (slot_x + 2) * chunk).cell;

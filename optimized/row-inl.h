@@ -14,6 +14,15 @@
 
 #include "optimized/layout.hpp"
 
+/// In front of a loop so short that counting its turns costs a tenth of it.
+#ifndef FIRN_UNROLL_TWICE
+#ifdef __clang__
+#define FIRN_UNROLL_TWICE _Pragma("clang loop unroll_count(2)")
+#else
+#define FIRN_UNROLL_TWICE _Pragma("GCC unroll 2")
+#endif
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
 namespace HWY_NAMESPACE {

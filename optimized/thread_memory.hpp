@@ -40,6 +40,7 @@ void ThreadMemory<T>::require(int particles, const KernelTable<T>& kernels) {
   leavers.require(cells.bytes(), 0);
   node.require(1, 0);
   sums.require(static_cast<std::size_t>(kernels.sums_size), 0);
+  std::fill_n(sums.data(), kernels.sums_size, T(0));  // and planar() leaves zeros
   require_numbers(records_size() + moments_size + local_size + coefficients_size, 0);
   lay_out_workspace();
 }

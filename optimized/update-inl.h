@@ -162,9 +162,12 @@ HWY_INLINE bool deform(const StepConstants<T>& step, const kn::Mat3<V>& h_gradie
   p.stiffness = load_slot(at, slot_stiffness);
   const bool yields = m.box.bounded && !AllTrue(d, trial.inside);
   if (yields || HWY_UNLIKELY(!step.skip.plastic || !step.skip.hardening)) {
+    kn::Sym3<V> H;
+    auto changed = Not(trial.inside);
+    if (yields) changed = clamp(d, m, trial, p.E_E, H);
     const V V_0 = load_slot(at, slot_V_0);
     p.E_P = load_matrix(at, slot_E_P);
-    if (yields) flow(d, m, V_0, trial, p);
+    if (yields) flow(d, m, changed, H, V_0, p.E_P, p.stiffness);
     if (HWY_UNLIKELY(!step.skip.hardening)) p.stiffness = stiffness(d, m, V_0, p.E_P);
     store_matrix(p.E_P, at, slot_E_P);
     store_slot(p.stiffness, at, slot_stiffness);
@@ -229,8 +232,12 @@ HWY_INLINE hn::Mask<Lanes<T>> move(const StepConstants<T>& step, const BlockView
   return stays;
 }
 
-/// Stages 7 and 8 of one vector after the other or, in the common case, of two side by
-/// side. Returns whether something may have yielded.
+/// Whether two vectors side by side pay: not with 16 registers, where every second
+/// operation of theirs would be a move to or from the stack.
+inline constexpr bool side_by_side = HWY_ARCH_ARM || HWY_MAX_BYTES == 64;
+
+/// Stages 7 and 8 of one vector after the other or, where that pays, of two side by side.
+/// Returns whether something may have yielded.
 template <class T>
 HWY_INLINE bool deform_vectors(const StepConstants<T>& step, const Gathered<T>* gathered,
                                T* const* q, int i, int n, FaultReport& report) {
@@ -240,8 +247,12 @@ HWY_INLINE bool deform_vectors(const StepConstants<T>& step, const Gathered<T>* 
     if (n > L) deform_mixture(step, gathered[1].gradient, q[1], i + L, n - L, report);
     return true;
   }
-  if (HWY_UNLIKELY(n <= L))
-    return deform(step, gathered[0].gradient, OneVector<T>{q[0]}, i, n, report);
+  if (!side_by_side || HWY_UNLIKELY(n <= L)) {
+    bool yields = deform(step, gathered[0].gradient, OneVector<T>{q[0]}, i, n < L ? n : L, report);
+    if (n > L)
+      yields |= deform(step, gathered[1].gradient, OneVector<T>{q[1]}, i + L, n - L, report);
+    return yields;
+  }
   kn::Mat3<kn::Pair<Vec<T>>> gradient;
   for (int k = 0; k < 9; ++k)
     gradient.m[k] = {gathered[0].gradient.m[k], gathered[1].gradient.m[k]};
@@ -308,10 +319,12 @@ void stress_pass(const BlockView<T>& block, const StepConstants<T>& step) {
     const Vec<T> V_0 = load_slot(at, slot_V_0);
     Deformation<Vec<T>> p = load_deformation(at);
     for_each_material(step, q, [&](const MaterialConstants<T>& m, const auto& lanes) HWY_ATTR {
-      Deformation<Vec<T>> mine = p;
-      mine.stiffness = stiffness(d, m, V_0, p.E_P);
-      stress(d, m, kn::left_strain(p.E_E), kn::det_minus_one(p.E_E), mine);
-      select_into(lanes, mine, p);
+      const Vec<T> other_stiffness = p.stiffness;
+      const kn::Sym3<Vec<T>> other_tau = p.tau;
+      p.stiffness = stiffness(d, m, V_0, p.E_P);
+      stress(d, m, kn::left_strain(p.E_E), kn::det_minus_one(p.E_E), p);
+      p.stiffness = IfThenElse(lanes, p.stiffness, other_stiffness);
+      p.tau = kn::select(lanes, p.tau, other_tau);
     });
     store_slot(p.stiffness, at, slot_stiffness);
     store_tau(p.tau, at);

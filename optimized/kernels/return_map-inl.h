@@ -200,71 +200,64 @@ HWY_NOINLINE void clamp_by_svd(D d, const Mat3<V>& F_hat_minus_I,
 /// Which way the return mapping takes: `fast` for production, `svd` to measure and test it.
 enum class ReturnMap { fast, svd };
 
-/// Adds the increments in the lanes of `changed`; the others keep every bit.
+/// F_P = (I + H) F_P^old in the lanes of `changed`; the others keep every bit.
 template <class M, class V>
-HWY_INLINE void add_increments(M changed, const Mat3<V>& delta_F_E, const Sym3<V>& H,
-                               Mat3<V>& F_E_minus_I, Mat3<V>& F_P_minus_I) {
+HWY_INLINE void flow_into(M changed, const Sym3<V>& H, Mat3<V>& F_P_minus_I) {
   const Mat3<V> H_full = full(H);
-  const Mat3<V> delta_F_P = mul_add(H_full, H_full, F_P_minus_I);  // H F_P = H + H (F_P − I)
-  for (int k = 0; k < 9; ++k) {
-    F_E_minus_I.m[k] = IfThenElse(changed, F_E_minus_I.m[k] + delta_F_E.m[k], F_E_minus_I.m[k]);
-    F_P_minus_I.m[k] = IfThenElse(changed, F_P_minus_I.m[k] + delta_F_P.m[k], F_P_minus_I.m[k]);
-  }
+  const Mat3<V> delta = mul_add(H_full, H_full, F_P_minus_I);  // H F_P = H + H (F_P − I)
+  for (int k = 0; k < 9; ++k)
+    F_P_minus_I.m[k] = IfThenElse(changed, F_P_minus_I.m[k] + delta.m[k], F_P_minus_I.m[k]);
 }
 
-/// Stage 4: apply what stages 1 to 3 found; unsafe lanes take the full decomposition. Returns the
-/// lanes in which something was clamped.
-template <class D, class V>
-HWY_INLINE hn::Mask<D> clamp_apply(D d, const ElasticBox<hn::TFromD<D>>& box,
-                                   const ClampState<V>& k, const ClampFunction<V>& gamma,
-                                   const ClampFunction<V>& eta, hn::Mask<D> safe,
-                                   hn::Mask<D> changed, Mat3<V>& F_E_minus_I,
-                                   Mat3<V>& F_P_minus_I) {
-  const Mat3<V> Gamma = full(evaluate(gamma, k));
-  Mat3<V> delta_F_E = mul_add(Gamma, F_E_minus_I, Gamma);  // F̂ Γ = Γ + (F̂ − I) Γ
-  Sym3<V> H = evaluate(eta, k);
-  if (HWY_UNLIKELY(!AllTrue(d, safe))) {
-    Mat3<V> delta_svd;
-    Sym3<V> H_svd;
-    hn::Mask<D> changed_svd;
-    clamp_by_svd(d, F_E_minus_I, box, delta_svd, H_svd, changed_svd);
-    delta_F_E = select(safe, delta_F_E, delta_svd);
-    H = select(safe, H, H_svd);
-    changed = Or(And(safe, changed), AndNot(safe, changed_svd));
-  }
-  add_increments(changed, delta_F_E, H, F_E_minus_I, F_P_minus_I);
-  return changed;
-}
-
-/// Step 7 after the trial state: in: F̂_E − I with J − 1 = det_minus_one(F̂_E − I), and F_P − I; out:
-/// F_E − I and F_P − I with F_E F_P = F̂_E F_P^old and every σ(F_E) in the box. Returns the lanes in
-/// which something was clamped; all other lanes keep every bit.
-/// J_P = det F_P, so J_P − 1 = det_minus_one() of the new F_P − I.
+/// Step 7 after the trial state, the elastic half: F̂_E − I, with J − 1 = det_minus_one of it,
+/// becomes F_E − I with every σ(F_E) in the box, and H = F_E⁻¹F̂_E − I is what flow_into()
+/// needs. Only `lanes` are looked at. Returns those in which something was clamped; all other
+/// lanes keep every bit, and their H means nothing.
 template <ReturnMap path = ReturnMap::fast, class D, class V>
-HWY_INLINE hn::Mask<D> return_map(D d, const ElasticBox<hn::TFromD<D>>& box, V J_minus_1,
-                                  Mat3<V>& F_E_minus_I, Mat3<V>& F_P_minus_I) {
+HWY_INLINE hn::Mask<D> clamp_elastic(D d, const ElasticBox<hn::TFromD<D>>& box, hn::Mask<D> lanes,
+                                     V J_minus_1, Mat3<V>& F_E_minus_I, Sym3<V>& H) {
+  Mat3<V> delta;
+  hn::Mask<D> changed, unsafe;
   if constexpr (path == ReturnMap::fast) {
     ClampState<V> k;
     ClampFunction<V> gamma, eta;
     const auto safe = clamp_root(d, right_strain(F_E_minus_I), J_minus_1, k);
     clamp_plane(d, k);
-    const auto changed = clamp_values(d, box, k, gamma, eta);
-    return clamp_apply(d, box, k, gamma, eta, safe, changed, F_E_minus_I, F_P_minus_I);
+    changed = And(And(lanes, safe), clamp_values(d, box, k, gamma, eta));
+    unsafe = AndNot(safe, lanes);
+    const Mat3<V> Gamma = full(evaluate(gamma, k));
+    delta = mul_add(Gamma, F_E_minus_I, Gamma);  // F̂ Γ = Γ + (F̂ − I) Γ
+    H = evaluate(eta, k);
   } else {
-    Mat3<V> delta_F_E;
-    Sym3<V> H;
-    hn::Mask<D> changed;
-    clamp_by_svd(d, F_E_minus_I, box, delta_F_E, H, changed);
-    add_increments(changed, delta_F_E, H, F_E_minus_I, F_P_minus_I);
-    return changed;
+    changed = AndNot(lanes, lanes);
+    unsafe = lanes;
   }
+  if (HWY_UNLIKELY(!AllFalse(d, unsafe))) {
+    Mat3<V> delta_svd;
+    Sym3<V> H_svd;
+    hn::Mask<D> changed_svd;
+    clamp_by_svd(d, F_E_minus_I, box, delta_svd, H_svd, changed_svd);
+    delta = select(unsafe, delta_svd, delta);
+    H = select(unsafe, H_svd, H);
+    changed = Or(changed, And(unsafe, changed_svd));
+  }
+  for (int k = 0; k < 9; ++k)
+    F_E_minus_I.m[k] = IfThenElse(changed, F_E_minus_I.m[k] + delta.m[k], F_E_minus_I.m[k]);
+  return changed;
 }
 
-/// The same when J is not at hand.
+/// Step 7 after the trial state, whole: in: F̂_E − I and F_P − I; out: F_E − I and F_P − I with
+/// F_E F_P = F̂_E F_P^old and every σ(F_E) in the box. Returns the lanes in which something was
+/// clamped. J_P = det F_P, so J_P − 1 = det_minus_one() of the new F_P − I.
 template <ReturnMap path = ReturnMap::fast, class D, class V>
 HWY_INLINE hn::Mask<D> return_map(D d, const ElasticBox<hn::TFromD<D>>& box, Mat3<V>& F_E_minus_I,
                                   Mat3<V>& F_P_minus_I) {
-  return return_map<path>(d, box, det_minus_one(F_E_minus_I), F_E_minus_I, F_P_minus_I);
+  const V zero = Zero(d);
+  Sym3<V> H{zero, zero, zero, zero, zero, zero};
+  const auto changed =
+      clamp_elastic<path>(d, box, zero <= zero, det_minus_one(F_E_minus_I), F_E_minus_I, H);
+  flow_into(changed, H, F_P_minus_I);
+  return changed;
 }
 
 }  // namespace HWY_NAMESPACE
