@@ -5,6 +5,7 @@
 #include <csignal>
 #include <ctime>
 #include <exception>
+#include <string_view>
 
 #include "bench/bench.hpp"
 #include "bench/machine_facts.hpp"
@@ -51,15 +52,24 @@ bool named(const Options& options, const results::Case& result) {
   return std::find(names.begin(), names.end(), result.suite + "/" + result.name) != names.end();
 }
 
-/// A suite name, SUITE/CASE, or SUITE/PREFIX*.
+/// Whether `text` is `pattern`, in which each * stands for anything.
+bool matches(std::string_view pattern, std::string_view text) {
+  const std::size_t star = pattern.find('*');
+  if (star == std::string_view::npos) return pattern == text;
+  if (text.substr(0, star) != pattern.substr(0, star)) return false;
+  for (std::size_t from = star; from <= text.size(); ++from)
+    if (matches(pattern.substr(star + 1), text.substr(from))) return true;
+  return false;
+}
+
+/// A suite name, SUITE/CASE, or a pattern of it.
 bool asked_for(const Options& options, const CasePlan& plan) {
   if (options.suites.empty()) return !options.quick || plan.quick;
   const std::string full = plan.description.suite + "/" + plan.description.name;
   for (const std::string& wanted : options.suites) {
     if (wanted == full) return true;
-    const bool prefix =
-        wanted.back() == '*' && full.rfind(wanted.substr(0, wanted.size() - 1), 0) == 0;
-    if (prefix || wanted == plan.description.suite) return !options.quick || plan.quick;
+    if (wanted == plan.description.suite || matches(wanted, full))
+      return !options.quick || plan.quick;
   }
   return false;
 }
@@ -74,7 +84,8 @@ std::vector<CasePlan> plans(const Registry& registry, const Options& options) {
   if (chosen.empty() && !options.suites.empty()) {
     std::string names;
     for (const SuiteEntry& suite : suites()) names += (names.empty() ? "" : ", ") + suite.name;
-    throw InputError("firn bench", "suite", options.suites.front(), names + ", or SUITE/CASE");
+    throw InputError("firn bench", "suite", options.suites.front(),
+                     names + ", or SUITE/CASE, in which * stands for anything");
   }
   return chosen;
 }

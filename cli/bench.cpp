@@ -16,7 +16,7 @@ void add_bench(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand(
       "bench", "measures speed, accuracy, stability, and what each skip saves; suites:" + suites);
   auto options = std::make_shared<bench::Options>();
-  verb->add_option("SUITE", options->suites, "suites, SUITE/CASE or SUITE/PREFIX* (default: all)");
+  verb->add_option("SUITE", options->suites, "suites or SUITE/CASE, * for anything (default: all)");
   verb->add_option("-o,--out", options->output, "results; an existing file is completed")
       ->capture_default_str();
   verb->add_flag("--quick", options->quick, "the cases that take under three minutes in all");

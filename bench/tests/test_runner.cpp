@@ -197,6 +197,21 @@ TEST_F(RunnerTest, ListingMeasuresNothing) {
   EXPECT_FALSE(fs::exists(options.output));
 }
 
+TEST_F(RunnerTest, AStarStandsForAnythingAnywhere) {
+  options.list = true;
+  options.suites = {"stress/*,reference*", "implicit/cost,*r=10,*"};
+  EXPECT_EQ(run_it(), 0);
+  std::istringstream lines(out.str());
+  int stress = 0, implicit = 0, all = 0;
+  for (std::string line; std::getline(lines, line); ++all) {
+    stress += line.rfind("stress/", 0) == 0 && line.find(",reference,") != std::string::npos;
+    implicit += line.rfind("implicit/cost,", 0) == 0 && line.find(",r=10,") != std::string::npos;
+  }
+  EXPECT_EQ(stress, 18);
+  EXPECT_GE(implicit, 9);
+  EXPECT_EQ(stress + implicit, all);
+}
+
 TEST_F(RunnerTest, AnUnknownSuiteIsRefused) {
   options.suites = {"nonsense"};
   EXPECT_THROW(run_it(), InputError);

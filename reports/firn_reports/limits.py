@@ -76,7 +76,7 @@ def stability_map(varied, cases):
     if unlimited:
         axes.plot(unlimited, [0.96 * top] * len(unlimited), linestyle="none", marker="^", markersize=9, color=MUTED, label=f"no limit up to {LARGEST_TRIED}")
     legend(axes, ncols=2)
-    return Figure(f"Stable steps over {AXES.get(varied, varied)}", to_svg(figure), command="firn bench stability", caption=off_by(predicted) if predicted else NEVER.strip())
+    return Figure(f"Stable steps over {AXES.get(varied, varied)}", to_svg(figure), command=f"firn bench 'stability/*,{varied}=*'", caption=off_by(predicted) if predicted else NEVER.strip())
 
 
 def expected(case):
@@ -108,7 +108,7 @@ def seconds(cases):
     axes.set_xlabel("E [Pa]")
     axes.set_ylabel("Δt [s]")
     legend(axes, ncols=2)
-    return [Figure("Stable steps in seconds, over E and h", to_svg(figure), command="firn bench stability", caption=off_by(shown) + " ρ = 400 kg/m³, ν = 0.2, α = 0.95, 8 particles per cell.")]
+    return [Figure("Stable steps in seconds, over E and h", to_svg(figure), command="firn bench 'stability/*,E*'", caption=off_by(shown) + " ρ = 400 kg/m³, ν = 0.2, α = 0.95, 8 particles per cell.")]
 
 
 def lone_particle(cases):
@@ -128,7 +128,7 @@ def lone_particle(cases):
     axes.set_xlabel("place in the cell, along each axis [h]; 0: on a node")
     axes.set_ylabel("c Δt / h")
     legend(axes, ncols=2)
-    return [Figure("Stable steps of a lone particle, one per cell", to_svg(figure), command="firn bench 'stability/optimized,double,1T,place*'",
+    return [Figure("Stable steps of a lone particle, one per cell", to_svg(figure), command="firn bench 'stability/*,place*'",
                    caption=off_by(cases) + " Step 2 takes the mass density at the particle's own nodes for the density of the snow: a lone particle, or one that has come off a surface, is "
                            "given 8 to 10.3 h³ = 1/(ΣN²)³ however little it weighs, and so a third of the stable step. In the bulk at one particle per cell the estimate "
                            "is right on average, and the limit stays near that of the wave (the panel on estimated volumes).")]

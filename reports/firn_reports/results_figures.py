@@ -13,12 +13,6 @@ PLAIN_FLOP = 64 * (2 * 28 + 8)
 PLAIN_NUMBERS = 2 * 24 + 2
 
 
-def first_command(cases):
-    """One command that measures all the cases of a figure again."""
-    suites = {case.suite for case in cases}
-    return "firn bench " + " ".join(sorted(suites)) if suites else ""
-
-
 def left_out(cases, name=lambda case: case.name):
     """What a caption adds on cases that a figure does not show; nothing if it shows all."""
     names = [name(c) for c in cases if c.status == "noisy"]
@@ -85,13 +79,13 @@ def speed(results):
         axes.set_xlabel("particles")
         axes.set_ylabel("million particle-steps per second")
         legend(axes, ncols=2)
-        made.append(Figure(f"Rate over size, {deformation}", to_svg(figure), command=first_command(chosen),
+        made.append(Figure(f"Rate over size, {deformation}", to_svg(figure), command=f"firn bench 'steps/*,{deformation},*'",
                            caption="Level lines: the cost per particle does not grow with the size."
                                    + left_out(c for c in results.suite("steps") if c["deformation"] == deformation)))
     ratios = [c for c in results.suite("speedup") if c.quotable]
     if ratios:
         rows = [(f"{who(c, True)}, {c['deformation']}", *with_quartiles(c, "speedup")) for c in sorted(ratios, key=lambda c: c.name)]
-        made.append(Figure("Times faster than the reference", bars(rows, "times the reference (double, 1 thread)"), command=first_command(ratios),
+        made.append(Figure("Times faster than the reference", bars(rows, "times the reference (double, 1 thread)"), command="firn bench speedup",
                            caption="Repetitions of both solvers took turns, so that a slow minute of the machine hits both." + left_out(results.suite("speedup"))))
     return made + scaling(results)
 
@@ -205,7 +199,7 @@ def skips(results):
         if not mine:
             continue
         rows = [(f"{c['skip']}: {c['situation']}", *with_quartiles(c, "saved", 100)) for c in sorted(mine, key=lambda c: (c["skip"], c["situation"]))]
-        made.append(Figure(f"Saved by each skip, {precision}", bars(rows, "% of the step saved", zero=True, marks=[0]), command="firn bench skips",
+        made.append(Figure(f"Saved by each skip, {precision}", bars(rows, "% of the step saved", zero=True, marks=[0]), command=f"firn bench 'skips/*,{precision},*'",
                            caption="Lines: the middle half of 27 pairs of runs or more." + left_out((c for c in results.suite("skips") if c["precision"] == precision),
                                                                                          lambda c: f"{c['skip']}: {c['situation']}")))
     return made
