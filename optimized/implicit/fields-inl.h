@@ -86,23 +86,32 @@ void pack_vector(const T* field, T* gathered) {
       }
 }
 
+/// A block's sum is kept in as many parts as the widest instruction set has lanes, so that all of
+/// them add in the same order.
 template <class T>
-HWY_INLINE double sum_of_lanes(const Vec<T>& v) {
-  const Lanes<T> d;
-  alignas(64) T lane[lane_count<T>];
-  hn::Store(v, d, lane);
-  double sum = 0;
-  for (int i = 0; i < lane_count<T>; ++i) sum += static_cast<double>(lane[i]);
-  return sum;
+inline constexpr int sum_vectors = 64 / static_cast<int>(sizeof(T)) / lane_count<T>;
+
+template <class T>
+HWY_INLINE void set_zero(Vec<T>* sums) {
+  for (int k = 0; k < sum_vectors<T>; ++k) sums[k] = hn::Zero(Lanes<T>());
 }
 
-/// Calls f(place in the field, masses) for every vector of nodes and axis.
+template <class T>
+HWY_INLINE double total(const Vec<T>* sums) {
+  double total = 0;
+  for (int k = 0; k < sum_vectors<T>; ++k) {
+    alignas(64) T lane[lane_count<T>];
+    hn::Store(sums[k], Lanes<T>(), lane);
+    for (int i = 0; i < lane_count<T>; ++i) total += static_cast<double>(lane[i]);
+  }
+  return total;
+}
+
+/// Calls f(first node, part of the sum) for every vector of a block's nodes.
 template <class T, class F>
-HWY_INLINE void for_each_vector(const T* m, const F& f) {
-  const Lanes<T> d;
-  for (int a = 0; a < 3; ++a)
-    for (int i = 0; i < nodes_per_block; i += lane_count<T>)
-      f(a * nodes_per_block + i, hn::Load(d, m + i));
+HWY_INLINE void for_each_vector(const F& f) {
+  for (int i = 0; i < nodes_per_block; i += sum_vectors<T> * lane_count<T>)
+    for (int k = 0; k < sum_vectors<T>; ++k) f(i + k * lane_count<T>, k);
 }
 
 /// Divided by m, not multiplied by a reciprocal that may overflow.
@@ -111,16 +120,20 @@ double multiply(const T* y, const T* f, const T* m, double factor, double s, dou
   const Lanes<T> d;
   const auto factor_ = hn::Set(d, static_cast<T>(factor)), s_ = hn::Set(d, static_cast<T>(s));
   const auto ratio_ = hn::Set(d, static_cast<T>(ratio));
-  auto sum = hn::Zero(d);
-  for_each_vector(m, [&](int i, const Vec<T>& mass) HWY_ATTR {
-    const auto y_i = hn::Load(d, y + i);
-    const auto acceleration = hn::Div(hn::Mul(factor_, hn::Load(d, f + i)), mass);
-    const auto By = where_mass<T>(mass, hn::Mul(s_, hn::Add(y_i, acceleration)));
-    const auto z_i = hn::NegMulAdd(ratio_, hn::Load(d, z + i), By);
-    hn::Store(z_i, d, z + i);
-    sum = hn::MulAdd(hn::Mul(mass, hn::Mul(s_, y_i)), z_i, sum);
-  });
-  return sum_of_lanes<T>(sum);
+  Vec<T> sums[sum_vectors<T>];
+  set_zero<T>(sums);
+  for (int a = 0; a < 3; ++a)
+    for_each_vector<T>([&](int node, int part) HWY_ATTR {
+      const int i = a * nodes_per_block + node;
+      const auto mass = hn::Load(d, m + node);
+      const auto y_i = hn::Load(d, y + i);
+      const auto acceleration = hn::Div(hn::Mul(factor_, hn::Load(d, f + i)), mass);
+      const auto By = where_mass<T>(mass, hn::Mul(s_, hn::Add(y_i, acceleration)));
+      const auto z_i = hn::NegMulAdd(ratio_, hn::Load(d, z + i), By);
+      hn::Store(z_i, d, z + i);
+      sums[part] = hn::MulAdd(hn::Mul(mass, hn::Mul(s_, y_i)), z_i, sums[part]);
+    });
+  return total<T>(sums);
 }
 
 /// The symmetric matrix of vector i of a block.
@@ -154,16 +167,17 @@ template <class T>
 double subtract(double c, const T* x, const T* projector, const T* m, T* z) {
   const Lanes<T> d;
   const auto c_ = hn::Set(d, static_cast<T>(c));
-  auto sum = hn::Zero(d);
-  for (int i = 0; i < nodes_per_block; i += lane_count<T>) {
+  Vec<T> sums[sum_vectors<T>];
+  set_zero<T>(sums);
+  for_each_vector<T>([&](int i, int part) HWY_ATTR {
     const auto x_i = load_field(x, i);
     auto z_i = load_field(z, i);
     for (int a = 0; a < 3; ++a) z_i[a] = hn::NegMulAdd(c_, x_i[a], z_i[a]);
     if (projector != nullptr) z_i = kn::mul(load_symmetric(projector, i), z_i);
     store_field<T>(z_i, z, i);
-    sum = hn::MulAdd(hn::Load(d, m + i), kn::dot(z_i, z_i), sum);
-  }
-  return sum_of_lanes<T>(sum);
+    sums[part] = hn::MulAdd(hn::Load(d, m + i), kn::dot(z_i, z_i), sums[part]);
+  });
+  return total<T>(sums);
 }
 
 template <class T>
