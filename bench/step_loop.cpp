@@ -9,7 +9,7 @@
 #include <string>
 
 #include "bench/workload.hpp"
-#include "optimized/optimized_solver.hpp"
+#include "cli/builtin_solvers.hpp"
 
 int main(int argc, char** argv) {
   using namespace firn;
@@ -17,13 +17,15 @@ int main(int argc, char** argv) {
     std::cerr << "usage: firn_step_loop float|double elastic|plastic PARTICLES STEPS\n";
     return 2;
   }
+  Registry registry;
+  cli::register_builtin_solvers(registry);
   SolverOptions options;
   options.precision = std::string(argv[1]) == "float" ? Precision::float32 : Precision::float64;
   const bench::Workload work = bench::block(
       std::strtoul(argv[3], nullptr, 10),
       std::string(argv[2]) == "elastic" ? bench::Deformation::elastic : bench::Deformation::plastic,
       1);
-  const auto solver = make_optimized_solver(options);
+  const auto solver = registry.create("optimized", options);
   solver->load(work.scene, work.state);
   for (int i = 0; i < std::atoi(argv[4]); ++i) solver->step(work.scene.time.step);
   std::cout << work.state.particles.size() << " particles\n";
