@@ -1,5 +1,6 @@
 /// The whole step in three passes: particles to tiles, tiles to nodes, nodes to
-/// particles. Node fields live in a thread's own memory for one node block at a time.
+/// particles. Node fields live in a thread's own memory for one node block at a time; a
+/// semi-implicit step keeps m, vⁿ and v* of all of them for its solve.
 
 #include <algorithm>
 #include <cmath>
@@ -226,16 +227,15 @@ StepReport OptimizedSolver<T>::fused_step() {
     if (solves()) implicit_.motion(k) = node;
     count += count_nodes(node);
   }
+  if (finite && solves()) {
+    solve_implicit();
+    finite = pack_all([&](std::size_t k) -> const NodeMotion<T>& { return implicit_.motion(k); });
+  }
   // No particle has changed yet: the staged path finds out what went wrong and where.
   if (!finite) {
     advance_through(Stage::integration, dt_);
     throw SimulationError(Stage::integration, SimulationError::Subject::solver, -1,
                           "velocity is not finite");
-  }
-
-  if (solves()) {
-    solve_implicit();
-    pack_all([&](std::size_t k) -> const NodeMotion<T>& { return implicit_.motion(k); });
   }
   if (!skips_.volumes) volumes();
 

@@ -14,9 +14,9 @@ HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
-/// A region of a tile added to a node block's sums, which are laid out
-/// [row][x][y][z][channel], so that planar() can take a row's channels apart.
-template <class T>
+/// A region of a tile of `rows` rows per stencil row added to a node block's sums, which are
+/// laid out [row][x][y][z][channel], so that planar() can take a row's channels apart.
+template <class T, int rows>
 void add_tile(const T* tile, const Region& region, T* sums) {
   constexpr int R = tile_row_size<T>;
   constexpr int xy_row = row_size<T>;
@@ -27,10 +27,10 @@ void add_tile(const T* tile, const Region& region, T* sums) {
   for (int x = 0; x < region.size[0]; ++x)
     for (int y = 0; y < region.size[1]; ++y) {
       const T* from = tile + region.tile[2] * channels<T> +
-                      ((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * tile_rows<T> * R;
+                      ((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows * R;
       T* to = sums + (4 * (x + region.node[0]) + y + region.node[1]) * xy_row +
               region.node[2] * channels<T>;
-      for (int r = 0; r < tile_rows<T>; ++r, from += R, to += 16 * xy_row) {
+      for (int r = 0; r < rows; ++r, from += R, to += 16 * xy_row) {
         if (HWY_LIKELY(whole_row)) {
           store_row(load_row(to) + load_row(from), to);
         } else {
@@ -90,7 +90,7 @@ void planar(T* sums, NodeFields<T>& node) {
   }
 }
 
-/// Applies `formula` to the nodes, a vector at a time; nodes without mass give 0.
+/// `value` where there is mass, 0 elsewhere.
 template <class T>
 HWY_INLINE Vec<T> where_mass(const Vec<T>& m, const Vec<T>& value) {
   const Lanes<T> d;

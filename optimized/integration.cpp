@@ -12,7 +12,7 @@ namespace {
 
 [[noreturn]] void reject(const std::string& what) {
   SimulationError error(Stage::integration, SimulationError::Subject::solver, -1, what);
-  error.state_intact = true;  // nothing but node fields has been written
+  error.state_intact = true;  // a sort inside blocks is no change
   throw error;
 }
 

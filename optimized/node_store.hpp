@@ -50,6 +50,8 @@ class NodeStore {
     return reinterpret_cast<std::byte*>(tiles_.data());
   }
   T* gathered(std::size_t n) const { return gathered_.data() + n * gathered_size_; }
+  /// Memory of one node block's (v_new, u).
+  std::size_t gathered_bytes() const { return gathered_size_ * sizeof(T); }
   const Surroundings& surroundings(std::size_t active) const { return surroundings_[active]; }
   const Share* shares(const NodeBlock& block) const {
     return shares_.data() + static_cast<std::size_t>(block.first_share);
@@ -63,7 +65,8 @@ class NodeStore {
     return regions_.data() + static_cast<std::size_t>(s.first_region);
   }
 
-  /// All fields of all nodes, for the staged path only.
+  /// All fields of all nodes, where they are kept: stage by stage, or without the skips
+  /// `fields` and `volumes`.
   NodeFields<T>& fields(std::size_t n) { return fields_[n]; }
   const NodeFields<T>& fields(std::size_t n) const { return fields_[n]; }
   void require_fields() { fields_.require(blocks_.size()); }

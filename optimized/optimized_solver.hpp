@@ -1,5 +1,6 @@
 #pragma once
-/// The fast solver: explicit integration in float or double, on any number of threads.
+/// The fast solver: explicit and semi-implicit integration in float or double, on any number
+/// of threads.
 
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ SolverEntry optimized_entry();
 std::unique_ptr<Solver> make_optimized_solver(const SolverOptions& options);
 
 /// The instruction set in use: "SSE4", "AVX2", "AVX3" (AVX-512), "NEON", …
-/// FIRN_TARGET=sse4, avx2 or avx3 in the environment takes a lesser one than the
+/// FIRN_TARGET=sse4, avx2, avx3 or neon in the environment takes a lesser one than the
 /// processor's best; InputError if it is unknown or the processor lacks it.
 std::string optimized_target_name();
 

@@ -59,6 +59,7 @@ void OptimizedSolver<T>::load(const Scene& scene, const State& state) {
   time_ = state.time, dt_ = state.dt, step_ = state.step, next_ = state.next;
   volumes_unknown_ = std::any_of(p.V_0.begin(), p.V_0.end(), [](double V) { return V == 0; });
   volumes_found_ = false;
+  solved_ = {};
   particles_.load(scene, state, !skips_.material);
   nodes_stale_ = stress_stale_ = tiles_stale_ = gathered_stale_ = true;
   prepare(scene.time.adaptive ? scene.time.max_step : scene.time.step);

@@ -63,9 +63,9 @@ class OptimizedSolver final : public Solver {
   bool solves() const { return scene_->semi_implicit(); }
   void solve_implicit();
   void solve_kept_fields();
-  /// What stages 7 and 8 gather, from motion_of(node block).
+  /// What stages 7 and 8 gather, from motion_of(node block). Whether v_i^{n+1} is finite.
   template <class F>
-  void pack_all(const F& motion_of);
+  bool pack_all(const F& motion_of);
   void report_solve(StepReport& report) const;
 
   // staged.cpp: stage by stage, every field kept.
@@ -107,14 +107,16 @@ class OptimizedSolver final : public Solver {
 
 template <class T>
 template <class F>
-void OptimizedSolver<T>::pack_all(const F& motion_of) {
+bool OptimizedSolver<T>::pack_all(const F& motion_of) {
   const int n = static_cast<int>(nodes_.size());
-#pragma omp parallel for num_threads(threads_)
+  bool finite = true;
+#pragma omp parallel for num_threads(threads_) reduction(&& : finite)
   for (int i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const NodeMotion<T>& motion = motion_of(k);
-    kernels_.pack_gathered(constants_, motion, nodes_.gathered(k));
+    finite = kernels_.pack_gathered(constants_, motion, nodes_.gathered(k)) && finite;
   }
+  return finite;
 }
 
 extern template class OptimizedSolver<float>;

@@ -68,6 +68,7 @@ void OptimizedSolver<T>::run(Stage stage) {
 
 template <class T>
 void OptimizedSolver<T>::rasterize() {
+  solved_ = {};
   refresh_stress();
   scatter_all();
   tiles_stale_ = false;

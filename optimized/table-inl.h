@@ -28,7 +28,7 @@ KernelTable<T> make_table() {
              tile_nodes * tile_nodes * tile_rows<T> * tile_row_size<T>,
              16 * gather_rows<T> * row_size<T>};
   t.scatter = &scatter<T>;
-  t.add_tile = &add_tile<T>;
+  t.add_tile = &add_tile<T, tile_rows<T>>;
   t.sums_size = tile_rows<T> * 16 * row_size<T>;
   t.planar = &planar<T>;
   t.node_velocities = &node_velocities<T>;

@@ -49,6 +49,7 @@ template <class T>
 void ThreadMemory<T>::require_numbers(std::size_t n, std::size_t spare) {
   if (n <= numbers.bytes() / sizeof(T)) return;
   numbers.require(n, spare);
+  // Spare lanes compute with what nobody wrote: any numbers will do, but numbers.
   std::fill_n(numbers.data(), n + spare, T(0));
   lay_out_workspace();
 }

@@ -1,6 +1,6 @@
 /// Work of the semi-implicit solve on the nodes of one node block: from tiles to planar
-/// fields, and the vector operations of MINRES. Inner products are Σ m a·b; each vector
-/// lane sums its own nodes, the lanes are added as doubles: the same order always.
+/// fields, and the vector operations of MINRES. Inner products are Σ m a·b, in as many partial
+/// sums as the widest vector has lanes, which are added as doubles: the same order always.
 
 #if defined(FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_
@@ -18,29 +18,6 @@ namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
 namespace kn = firn::kernels::HWY_NAMESPACE;
-
-/// A region of a tile with `rows` rows per stencil row added to a node block's sums
-/// [row][x][y][z][channel]; see add_tile in grid-inl.h.
-template <class T, int rows>
-void add_rows(const T* tile, const Region& region, T* sums) {
-  constexpr int R = tile_row_size<T>;
-  constexpr int xy_row = row_size<T>;
-  const bool whole_row = region.node[2] == 0 && region.tile[2] % 4 == 0 && region.size[2] >= 3;
-  for (int x = 0; x < region.size[0]; ++x)
-    for (int y = 0; y < region.size[1]; ++y) {
-      const T* from = tile + region.tile[2] * channels<T> +
-                      ((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows * R;
-      T* to = sums + (4 * (x + region.node[0]) + y + region.node[1]) * xy_row +
-              region.node[2] * channels<T>;
-      for (int r = 0; r < rows; ++r, from += R, to += 16 * xy_row) {
-        if (HWY_LIKELY(whole_row)) {
-          store_row(load_row(to) + load_row(from), to);
-        } else {
-          for (int i = 0; i < region.size[2] * channels<T>; ++i) to[i] += from[i];
-        }
-      }
-    }
-}
 
 /// The first `count` channels of the sums, each as a planar array.
 template <class T, int rows>

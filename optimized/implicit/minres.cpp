@@ -37,9 +37,8 @@ double ImplicitSystem<S>::sum_over_nodes(const F& f) {
 /// these.
 template <class S>
 double ImplicitSystem<S>::residual(double unit) {
-  const HessianKernels<double, S>& kernels = hessian_kernels<double, S>();
   sum_over_nodes([&](std::size_t n, Sums&) {
-    kernels.pack(v_ + n * field_size, gathered<double>(n));
+    hessian_in_double_.pack(v_ + n * field_size, gathered<double>(n));
     return 0.0;
   });
   apply<double>();
@@ -54,7 +53,7 @@ double ImplicitSystem<S>::residual(double unit) {
         const auto m = static_cast<double>(node.m[k]);
         r[i] = m > 0 ? static_cast<double>(node.v_star[a][k]) - v[i] - factor_ * Hv[i] / m : 0.0;
       }
-    if (const double* const P = exact_projector(n)) field_kernels<double>().project(P, r);
+    if (const double* const P = exact_projector(n)) fields_in_double_.project(P, r);
     double sum = 0;
     for (int i = 0; i < field_size; ++i) {
       sum += static_cast<double>(node.m[i % nodes_per_block]) * r[i] * r[i];
@@ -70,13 +69,11 @@ double ImplicitSystem<S>::residual(double unit) {
 template <class S>
 void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_iterations,
                                SolveReport& report) {
-  const HessianKernels<S, S>& hessian = hessian_kernels<S, S>();
-  const FieldKernels<S>& fields = field_kernels<S>();
   sum_over_nodes([&](std::size_t n, Sums&) {
     for (S* const zero : {z_last_, w_last_, w_, d_}) std::fill_n(block(zero, n), field_size, S(0));
     S* const r = block(z_, n);
     for (int i = 0; i < field_size; ++i) r[i] = static_cast<S>(scale * static_cast<double>(r[i]));
-    hessian.pack(r, gathered<S>(n));
+    hessian_.pack(r, gathered<S>(n));
     return 0.0;
   });
   S *z = z_, *z_last = z_last_, *w = w_, *w_last = w_last_;
@@ -89,14 +86,14 @@ void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_ite
     apply<S>();
     const double ratio = k == 0 ? 0 : beta / beta_last;
     const double alpha = sum_over_nodes([&](std::size_t n, Sums& sums) {
-      return fields.multiply(block(z, n), applied<S>(n, sums), motion_[n].m, factor_, 1 / beta,
-                             ratio, block(z_last, n));
+      return fields_.multiply(block(z, n), applied<S>(n, sums), motion_[n].m, factor_, 1 / beta,
+                              ratio, block(z_last, n));
     });
     const double beta_next = std::sqrt(sum_over_nodes([&](std::size_t n, Sums&) {
       S* const next = block(z_last, n);
       const double square =
-          fields.subtract(alpha / beta, block(z, n), projector(n), motion_[n].m, next);
-      hessian.pack(next, gathered<S>(n));
+          fields_.subtract(alpha / beta, block(z, n), projector(n), motion_[n].m, next);
+      hessian_.pack(next, gathered<S>(n));
       return square;
     }));
     const double off_diagonal = k == 0 ? 0 : beta;
@@ -113,8 +110,8 @@ void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_ite
     c = delta / rho_1;
     s = beta_next / rho_1;
     sum_over_nodes([&](std::size_t n, Sums&) {
-      fields.advance(block(z, n), 1 / (beta * rho_1), rho_3 / rho_1, rho_2 / rho_1, c * residual,
-                     block(w, n), block(w_last, n), block(d_, n));
+      fields_.advance(block(z, n), 1 / (beta * rho_1), rho_3 / rho_1, rho_2 / rho_1, c * residual,
+                      block(w, n), block(w_last, n), block(d_, n));
       return 0.0;
     });
     residual *= -s;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <omp.h>
+#include <stdexcept>
 
 namespace firn::optimized {
 
@@ -72,6 +73,12 @@ void ImplicitSystem<S>::assemble(ParticleStore<S>& particles, NodeStore<S>& node
   memory_ = &memory;
   slots_ = step.slots;
   factor_ = factor;
+  const auto fits = [&](int gathered_size, std::size_t number) {
+    return static_cast<std::size_t>(gathered_size) * number <= nodes.gathered_bytes();
+  };
+  if (!fits(hessian_.gathered_size, sizeof(S)) ||
+      !fits(hessian_in_double_.gathered_size, sizeof(double)))
+    throw std::logic_error("a vector field does not fit into the gathered fields' memory");
   partial_.require(nodes.size(), nodes.size() / 8);
   sums_.resize(static_cast<std::size_t>(threads_));
   lay_out_vectors();
@@ -89,8 +96,8 @@ void ImplicitSystem<S>::lay_out_vectors() {
     return (active * static_cast<std::size_t>(tile_size) * number + cache_line - 1) / cache_line *
            cache_line;
   };
-  const std::size_t in_S = tiles(hessian_kernels<S, S>().tile_size, sizeof(S));
-  const std::size_t in_double = tiles(hessian_kernels<double, S>().tile_size, sizeof(double));
+  const std::size_t in_S = tiles(hessian_.tile_size, sizeof(S));
+  const std::size_t in_double = tiles(hessian_in_double_.tile_size, sizeof(double));
   const std::size_t front = n * (sizeof(double) + sizeof(S));
   std::byte* const memory =
       nodes_->tile_memory(front + std::max(in_S + 4 * n * sizeof(S), in_double));
@@ -115,7 +122,6 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
   factors_.require((particles_->size() + active.size() * (lanes - 1)) * hessian_slots,
                    active.size() / 8 * lanes * hessian_slots);
   begin_.require(active.size() * (nodes_per_block + 1), active.size() * nodes_per_block / 8);
-  const SetupKernels<S>& kernels = setup_kernels<S>();
   const int n = static_cast<int>(active.size());
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
   for (int i = 0; i < n; ++i) {
@@ -124,8 +130,8 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
     Block<S>& block = particles_->block(active[a]);
     // A sort keeps the order within a cell, and with it every sum of stages 1 to 5.
     particles_->sort(block, memory.sorting);
-    kernels.factors(particles_->view(block), step, memory.cells.data(),
-                    begin_.data() + a * (nodes_per_block + 1), factors_.data() + first_[a]);
+    setup_.factors(particles_->view(block), step, memory.cells.data(),
+                   begin_.data() + a * (nodes_per_block + 1), factors_.data() + first_[a]);
   }
 }
 
@@ -167,7 +173,7 @@ HessianBlock<S> ImplicitSystem<S>::particles_of(std::size_t active) const {
 template <class S>
 template <class T>
 void ImplicitSystem<S>::apply() {
-  const HessianKernels<T, S>& kernels = hessian_kernels<T, S>();
+  const HessianKernels<T, S>& kernels = hessian<T>();
   const int n = static_cast<int>(particles_->active().size());
 #pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
   for (int i = 0; i < n; ++i) {
@@ -194,7 +200,7 @@ void ImplicitSystem<S>::apply() {
 template <class S>
 template <class T>
 const T* ImplicitSystem<S>::applied(std::size_t n, Sums& thread) const {
-  const HessianKernels<T, S>& kernels = hessian_kernels<T, S>();
+  const HessianKernels<T, S>& kernels = hessian<T>();
   T* const sums = reinterpret_cast<T*>(thread.interleaved);
   T* const planar = reinterpret_cast<T*>(thread.planar);
   std::fill_n(sums, kernels.sums_size, T(0));

@@ -5,9 +5,10 @@
 /// it has), and applying H is one gather and one scatter.
 ///
 /// Memory: the factors, and m, vⁿ and v* of every node. The vectors of the solve lie in the
-/// tiles of the explicit step, of which the operator takes the smaller half.
+/// memory of the explicit step's tiles, of which the operator takes the smaller half.
 
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "optimized/implicit/kernel_table.hpp"
@@ -51,12 +52,12 @@ class ImplicitSystem {
   // The solve.
 
   /// Linearizes about the particles' F_E, and puts each block's particles in cell order.
-  /// `factor` is βΔt²/h². The tiles lose what they hold.
+  /// `factor` is βΔt²/h². Tiles and gathered fields lose what they hold.
   void assemble(ParticleStore<S>& particles, NodeStore<S>& nodes, const StepConstants<S>& step,
                 double factor, std::vector<ThreadMemory<S>>& memory);
 
   /// Solves B v = v* along the free directions, from v*. On success v_star of the node
-  /// blocks is the solution; otherwise nothing has changed.
+  /// blocks is the solution; otherwise they keep v*.
   SolveReport solve(double tolerance, std::int64_t max_iterations);
 
   // Between two stages only.
@@ -89,6 +90,13 @@ class ImplicitSystem {
 
   // The operator in type T, on what was packed.
   template <class T>
+  const HessianKernels<T, S>& hessian() const {
+    if constexpr (std::is_same_v<T, S>)
+      return hessian_;
+    else
+      return hessian_in_double_;
+  }
+  template <class T>
   T* gathered(std::size_t n) const {
     return reinterpret_cast<T*>(nodes_->gathered(n));
   }
@@ -97,8 +105,7 @@ class ImplicitSystem {
   HessianScratch<T> scratch() const;
   template <class T>
   T* tile(std::size_t active) const {
-    return reinterpret_cast<T*>(tiles_) +
-           active * static_cast<std::size_t>(hessian_kernels<T, S>().tile_size);
+    return reinterpret_cast<T*>(tiles_) + active * static_cast<std::size_t>(hessian<T>().tile_size);
   }
   /// H times what was packed, onto the tiles.
   template <class T>
@@ -114,6 +121,14 @@ class ImplicitSystem {
   double residual(double unit);
   // MINRES in S for B d = r: z_ times `scale` is the residual divided by its norm.
   void minres(double scale, double target, std::int64_t max_iterations, SolveReport& report);
+
+  // Of the instruction set that was chosen when the solver was made: the layout of tiles and
+  // gathered fields depends on it.
+  const HessianKernels<S, S>& hessian_ = hessian_kernels<S, S>();
+  const HessianKernels<double, S>& hessian_in_double_ = hessian_kernels<double, S>();
+  const FieldKernels<S>& fields_ = field_kernels<S>();
+  const FieldKernels<double>& fields_in_double_ = field_kernels<double>();
+  const SetupKernels<S>& setup_ = setup_kernels<S>();
 
   int threads_;
   ParticleStore<S>* particles_ = nullptr;
@@ -134,9 +149,9 @@ class ImplicitSystem {
   std::size_t projectors_in_use_ = 0;
 
   // In the tiles' memory, see lay_out_vectors().
-  double* v_ = nullptr;                                                    ///< v
-  S* z_ = nullptr;                                                         ///< Lanczos vector
-  std::byte* tiles_ = nullptr;                                             ///< of the operator
+  double* v_ = nullptr;         ///< v
+  S* z_ = nullptr;              ///< residual, Lanczos vector
+  std::byte* tiles_ = nullptr;  ///< of the operator
   S *z_last_ = nullptr, *w_last_ = nullptr, *w_ = nullptr, *d_ = nullptr;  ///< MINRES
 
   std::vector<Sums> sums_;  ///< of each thread

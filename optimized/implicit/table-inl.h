@@ -24,7 +24,7 @@ HessianKernels<T, S> make_hessian_kernels() {
           &load_region<T, vector_rows<T>>,
           &vector_difference<T>,
           &apply_hessian<T, S>,
-          &add_rows<T, vector_rows<T>>,
+          &add_tile<T, vector_rows<T>>,
           &planar_vector<T>,
           &pack_vector<T>};
 }

@@ -15,7 +15,7 @@ namespace firn::test {
 Scene collision_of_everything();
 
 /// Snow in a box that is periodic along all axes, with periods that are (4, 8, 12) or
-/// are not (5, 7, 9) multiples of a block.
+/// are not (5, 9, 7) multiples of a block.
 Scene periodic_snow(bool multiple_of_four);
 
 /// Weightless: a ball flies into a block that rests, undeformed, beside a wall without

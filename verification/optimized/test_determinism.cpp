@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
+#include "firn/error.hpp"
 #include "verification/optimized/snow.hpp"
 
 namespace firn::test {
@@ -88,6 +89,22 @@ TEST_P(Determinism, ASecondLoadStartsAfresh) {
   for (int n = 0; n < steps; ++n) solver->step(scene.time.step);
   solver->store(state);
   EXPECT_TRUE(same_bits(whole, state));
+}
+
+TEST_P(Determinism, AFailedSolveIsNotReportedAfterAnotherLoad) {
+  Scene hasty = implicit(collision_of_everything());
+  hasty.time.step *= 4;
+  hasty.integrator.tolerance = 1e-12, hasty.integrator.max_iterations = 3;
+  const auto solver = optimized(GetParam());
+  State state = initial_state(hasty);
+  for (double& V : state.particles.V_0) V = 1e-5;  // known: step() is not taken in stages
+  solver->load(hasty, state);
+  EXPECT_THROW(solver->step(hasty.time.step), SimulationError);
+  const Scene scene = collision_of_everything();
+  solver->load(scene, state);
+  const StepReport report = solver->step(scene.time.step);
+  EXPECT_EQ(report.solver_iterations, 0);
+  EXPECT_EQ(report.solver_residual, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, Determinism,
