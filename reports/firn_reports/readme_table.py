@@ -38,7 +38,15 @@ def facts(results):
     """(what, figure) of everything else that the summary quotes."""
     found = []
     if (share := figures.best_share_of_peak(results)):
-        found.append((f"share of the FMA peak of {figures.widest(results)}, {share[1]}, plain count", f"{number(100 * share[0], 2)} %"))
+        found.append((f"share of the FMA peak of {figures.widest(results)}, {share[1]}, what a plain step needs", f"{number(100 * share[0], 2)} %"))
+    needed = {}
+    for case in results.suite("targets"):
+        if (share := case.value("FMA peak")) is not None:
+            needed.setdefault(case["target"].upper(), []).append(100 * share)
+    for target, shares in needed.items():
+        least, most = number(min(shares), 2), number(max(shares), 2)
+        found.append((f"share of the FMA peak of {target}, optimized, what the factored step needs",
+                      f"{least} %" if least == most else f"{least} to {most} %"))
     if (order := accuracy.best_order(results)):
         found.append((f"observed order, {order[1]}", number(order[0], 3)))
     if (worst := limits.worst_limit(results)):

@@ -134,6 +134,7 @@ def test_the_table_for_the_readme_quotes_what_the_page_quotes(plain, folder, cap
     text = readme_table.text(plain)
     assert "| optimized, float, plastic | 1 000 000 | 10 M/s | 20 M/s (2 T) | 20× | – |" in text
     assert "| verification of optimized, float | VALID, 3 checks |" in text and "| wrong solvers caught | 2 of 2 |" in text
+    assert "| share of the FMA peak of AVX2, optimized, what the factored step needs | 50 % |" in text
     assert "Measured 2026-01-01 on synthetic" in text
     assert main([str(plain.path), "--readme-table"]) == 0
     assert capsys.readouterr().out.strip() == text.strip()
