@@ -72,8 +72,8 @@ def worst_float(results):
 
 
 def busiest(results):
-    """(load average, processors) of the session that began under the highest load, if others were using the machine."""
-    loads = [(float(match[0]), int(s.get("processors", 1))) for s in results.sessions
+    """(load average, processors) of the timing session that began under the highest load, if others were using the machine."""
+    loads = [(float(match[0]), int(s.get("processors", 1))) for s in results.sessions if "cases_asked_for" in s
              if (match := re.match(r"[0-9.]+", str(s.get("load_average", ""))))]
     worst = max(loads, default=None)
     return worst if worst and worst[0] > 0.5 * worst[1] else None

@@ -151,6 +151,16 @@ def test_an_unfinished_run_and_a_changed_environment_are_pointed_out(folder):
     assert any("of 500 cases" in text for text in texts) and any("FIRN_NO_SKIP=all" in text for text in texts)
 
 
+def test_a_busy_machine_is_pointed_out_for_timings_only(folder):
+    path = synthetic.write_results(folder / "busy.h5")
+    with h5py.File(path, "a") as file:
+        file.create_group("sessions/1").attrs.update({"processors": 2.0, "load_average": "3.47 (1 min)"})  # a verification
+    assert results_tables.busiest(results.read(path)) is None
+    with h5py.File(path, "a") as file:
+        file["sessions/1"].attrs["cases_asked_for"] = 5.0
+    assert results_tables.busiest(results.read(path)) == (3.47, 2)
+
+
 def test_share_of_the_peak_is_the_plain_count_over_the_probe(plain):
     share, _ = results_figures.best_share_of_peak(plain)
     # The fastest: 70 ns per particle-step, against 1e11 flop/s.
