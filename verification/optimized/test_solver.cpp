@@ -1,34 +1,12 @@
 // Failures, diagnostics, memory and precision of the optimized solver.
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <gtest/gtest.h>
 #include <limits>
-#include <new>
 
 #include "firn/error.hpp"
+#include "verification/optimized/allocations.hpp"
 #include "verification/optimized/snow.hpp"
-
-namespace {
-std::atomic<long> allocations{0};
-
-void* counted(std::size_t n, std::size_t alignment) {
-  ++allocations;
-  void* p = std::aligned_alloc(alignment, (n + alignment - 1) / alignment * alignment);
-  if (p == nullptr) throw std::bad_alloc();
-  return p;
-}
-}  // namespace
-
-void* operator new(std::size_t n) { return counted(n, alignof(std::max_align_t)); }
-void* operator new(std::size_t n, std::align_val_t a) {
-  return counted(n, static_cast<std::size_t>(a));
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace firn::test {
 namespace {

@@ -1,0 +1,11 @@
+#pragma once
+/// Counts what a test program allocates.
+
+#include <atomic>
+
+namespace firn::test {
+
+/// Calls of operator new since the program began.
+extern std::atomic<long> allocations;
+
+}  // namespace firn::test
