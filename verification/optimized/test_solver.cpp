@@ -140,7 +140,8 @@ TEST_P(OptimizedSolver, ASteadySolveAllocatesNothing) {
 }
 
 /// Beyond an explicit run: 14 numbers per particle, and m, vⁿ and v* of the nodes, of which a
-/// block of 12³ cells has one for 2.5 particles. The vectors of the solve lie in the tiles.
+/// block of 12³ cells has one for 2.5 particles. The vectors of the solve lie in the memory
+/// of the tiles and its spare room.
 TEST_P(OptimizedSolver, ASolveTakesLittleMemory) {
   Scene scene;
   scene.grid.spacing = 0.1;
