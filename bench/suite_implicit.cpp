@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/iteration_cost.hpp"
 #include "bench/landing_block.hpp"
 #include "bench/suites.hpp"
 #include "bench/timing.hpp"
@@ -29,8 +30,8 @@ CasePlan plan_case(const std::string& kind, const Subject& subject, double young
 }
 
 /// Seconds per step and iterations per step of a few steps from `state`.
-struct Stepped {
-  double seconds = 0, iterations = 0, worst_residual = 0;
+struct Stepped : StepCost {
+  double worst_residual = 0;
 };
 Stepped take_steps(Solver& solver, const Scene& scene, const State& state, int steps) {
   if (interrupted()) throw Interrupted{};
@@ -47,12 +48,8 @@ Stepped take_steps(Solver& solver, const Scene& scene, const State& state, int s
   return result;
 }
 
-Quantity quantity(const char* name, const char* units, const char* meaning, bool timed) {
-  return {name, units, meaning, Quantity::Better::lower, {}, timed};
-}
-
 /// What a step and an iteration cost. Runs at two tolerances and explicit ones take turns;
-/// the difference of the former over that of their iterations is the cost of one iteration.
+/// see IterationCost.
 void plan_cost(const Registry& registry, const Options& options, const Subject& subject,
                double youngs_modulus, double factor, double cells, bool quick,
                std::vector<CasePlan>& plans) {
@@ -71,22 +68,14 @@ void plan_cost(const Registry& registry, const Options& options, const Subject& 
     const bool slow = subject.solver == "reference";
     const int steps = factor > 20 ? 1 : 2;
 
-    Quantity its_3 = quantity("iterations 1e-3", "1", "per step, tolerance 1e-3", false);
-    Quantity its_6 = quantity("iterations 1e-6", "1", "per step, tolerance 1e-6", false);
-    Quantity iteration = quantity("iteration", "ns", "one iteration, per particle", false);
-    Quantity step = quantity("explicit step", "ns", "one explicit step, per particle", false);
-    Quantity ratio =
-        quantity("iteration over explicit step", "1", "one iteration in explicit steps", true);
-    Quantity setup = quantity("set-up", "1",
-                              "a semi-implicit step without its iterations and without an "
-                              "explicit step, in explicit steps",
-                              false);
-    Quantity implicit_wall = quantity(
+    IterationCost cost;
+    Quantity implicit_wall = cost_quantity(
         "implicit wall", "s/s", "wall time per simulated second, semi-implicit at 1e-3", false);
-    Quantity explicit_wall = quantity(
+    Quantity explicit_wall = cost_quantity(
         "explicit wall", "s/s", "wall time per simulated second, explicit at its limit", false);
-    Quantity pays = quantity("implicit over explicit", "1",
-                             "wall time per simulated second, semi-implicit over explicit", true);
+    Quantity pays =
+        cost_quantity("implicit over explicit", "1",
+                      "wall time per simulated second, semi-implicit over explicit", true);
     double residual_3 = 0, residual_6 = 0, bytes = 0, explicit_bytes = 0;
     for (int i = 0; i < (slow ? 1 : 3); ++i) {
       const Stepped a = take_steps(*solver, coarse, state, steps);
@@ -97,11 +86,7 @@ void plan_cost(const Registry& registry, const Options& options, const Subject& 
       explicit_bytes = fresh->bytes_per_particle();
       residual_3 = std::max(residual_3, a.worst_residual);
       residual_6 = std::max(residual_6, b.worst_residual);
-      const double one = (b.seconds - a.seconds) / (b.iterations - a.iterations);
-      its_3.values.push_back(a.iterations), its_6.values.push_back(b.iterations);
-      iteration.values.push_back(1e9 * one / n), step.values.push_back(1e9 * e.seconds / n);
-      ratio.values.push_back(one / e.seconds);
-      setup.values.push_back((a.seconds - a.iterations * one) / e.seconds - 1);
+      cost.add(a, b, e.seconds, n);
       implicit_wall.values.push_back(a.seconds / coarse.time.step);
       explicit_wall.values.push_back(e.seconds / plain.time.step);
       pays.values.push_back(implicit_wall.values.back() / explicit_wall.values.back());
@@ -112,15 +97,12 @@ void plan_cost(const Registry& registry, const Options& options, const Subject& 
       result.status = results::Status::invalid;
       result.message = "a residual is larger than its tolerance";
     }
-    result.quantities = {its_3, its_6,         iteration,     step, ratio,
-                         setup, implicit_wall, explicit_wall, pays};
+    result.quantities = cost.quantities();
+    for (const Quantity& q : {implicit_wall, explicit_wall, pays}) result.quantities.push_back(q);
     if (bytes > 0)
-      result.quantities.push_back({"extra memory",
-                                   "B",
-                                   "per particle, beyond an explicit run's",
-                                   Quantity::Better::lower,
-                                   {bytes - explicit_bytes},
-                                   false});
+      result.quantities.push_back(cost_quantity("extra memory", "B",
+                                                "per particle, beyond an explicit run's", false,
+                                                {bytes - explicit_bytes}));
   };
   plans.push_back(std::move(plan));
 }
@@ -165,7 +147,7 @@ void plan_error(const Registry& registry, const Options& options, const Subject&
     const Scene scene = factor > 1 ? in_large_steps(plain, factor, tolerance) : scaled(factor);
     double unused = 0;
     const Particles exact = run(scaled(0.125), unused);
-    Quantity time = quantity("time", "s", "wall time of the steps", false);
+    Quantity time = cost_quantity("time", "s", "wall time of the steps", false);
     Particles found;
     // Short runs three times; a solver is a function, so the error is the same each time.
     for (double total = 0; time.values.empty() || (time.values.size() < 3 && total < 0.5);) {

@@ -1,0 +1,34 @@
+#pragma once
+/// What a semi-implicit step costs, from steps at two tolerances and explicit ones beside them.
+
+#include <vector>
+
+#include "bench/suites.hpp"
+
+namespace firn::bench {
+
+/// Of one step.
+struct StepCost {
+  double seconds = 0, iterations = 0;
+};
+
+class IterationCost {
+ public:
+  /// Semi-implicit steps to 1e-3 and 1e-6 and an explicit one, taken in turn with `particles`
+  /// each. What the former two differ by is the cost of their further iterations; what the first
+  /// takes beside its iterations and an explicit step is the set-up. Returns the seconds of one
+  /// iteration.
+  double add(const StepCost& coarse, const StepCost& fine, double explicit_seconds,
+             double particles);
+
+  std::vector<results::Quantity> quantities() const;
+
+ private:
+  std::vector<double> coarse_, fine_, iteration_, step_, ratio_, setup_;
+};
+
+/// A quantity of which less is better; a `timed` one decides whether its case is noisy.
+results::Quantity cost_quantity(const char* name, const char* units, const char* meaning,
+                                bool timed, std::vector<double> values = {});
+
+}  // namespace firn::bench
