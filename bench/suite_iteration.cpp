@@ -86,6 +86,7 @@ void measure(const Registry& registry, const Options& options, const Subject& su
 
   // v^{n+1} is rounded by eps/2 at most, and B magnifies that: by 1 + r² if explicit steps of
   // h/c are at their limit, ω Δt = 2; hardened snow is stiffer, sixteenfold at the most here.
+  const double off = disagreement(*solver, coarse, state);
   const double eps = subject.precision == Precision::float64 ? 0x1p-52 : 0x1p-23;
   const double bound = 8 * r * r * eps;
   result.validation =
