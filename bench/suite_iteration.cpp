@@ -94,6 +94,7 @@ void measure(const Registry& registry, const Options& options, const Subject& su
       ", allowed " + to_text(bound);
   if (!(off <= bound)) {
     result.status = results::Status::invalid;
+    result.message = result.validation;
     return;
   }
 
