@@ -3,6 +3,7 @@
 
 #include "bench/step_case.hpp"
 #include "bench/suites.hpp"
+#include "bench/thread_efficiency.hpp"
 
 namespace firn::bench {
 
@@ -30,6 +31,8 @@ void plan_flatness(const Registry& registry, const Options& options, const Subje
   constexpr std::size_t few = 100'000;
   CasePlan plan = step_case("scaling", subject, deformation, many, false);
   plan.run = [=, &registry](results::Case& result) {
+    validate(registry, subject, deformation, options.seed, result);
+    if (result.status != results::Status::measured) return;
     const Workload small = block(few, deformation, options.seed);
     const Workload large = block(many, deformation, options.seed);
     Timed one(registry, subject, small), other(registry, subject, large);
@@ -46,25 +49,21 @@ void plan_flatness(const Registry& registry, const Options& options, const Subje
   plans.push_back(std::move(plan));
 }
 
-/// Time of one thread over n times the time of n threads, in one interleaved run.
+/// Enough for a median, and short; a case that needs more rounds for its median to be known
+/// is run again and adds them (runner.cpp). A large block takes longer to load than to step.
+constexpr Rounds quick_rounds{5, 3, 0.03}, full_rounds{9, 3, 0.1}, rounds_of_many{5, 3, 0.1};
+
 void plan_efficiency(const Registry& registry, const Options& options, const Subject& subject,
                      Deformation deformation, std::size_t particles, std::vector<CasePlan>& plans) {
+  const bool few = particles <= 100'000;
   CasePlan plan = step_case("scaling", subject, deformation, particles,
-                            particles <= 100'000 && subject.precision == Precision::float32);
+                            few && subject.precision == Precision::float32);
+  const Rounds rounds = options.quick ? quick_rounds : few ? full_rounds : rounds_of_many;
   plan.run = [=, &registry](results::Case& result) {
+    validate(registry, subject, deformation, options.seed, result);
+    if (result.status != results::Status::measured) return;
     const Workload work = block(particles, deformation, options.seed);
-    const auto n = static_cast<double>(work.state.particles.size());
-    Subject alone = subject;
-    alone.threads = 1;
-    Timed together(registry, subject, work), one(registry, alone, work);
-    compare(together, n, one, n,
-            {"efficiency",
-             "1",
-             "time of one thread over (threads times the time of all)",
-             Quantity::Better::higher,
-             {},
-             true},
-            1.0 / subject.threads, result);
+    result.quantities = measure_efficiency(registry, subject, work, rounds);
   };
   plans.push_back(std::move(plan));
 }

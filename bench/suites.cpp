@@ -26,7 +26,7 @@ const std::vector<SuiteEntry>& suites() {
       {"targets", "the optimized solver on every instruction set of this processor",
        plan_targets_suite, 2.6, 2.6},
       {"scaling", "cost per particle over their number, and efficiency of threads",
-       plan_scaling_suite, 3, 6.1},
+       plan_scaling_suite, 3, 9},
   };
   return all;
 }

@@ -50,32 +50,39 @@ double seconds_now() {
 }
 
 Timed::Timed(const Registry& registry, const Subject& subject, const Workload& work)
-    : work_(work), solver_(subject.create(registry)) {
+    : work_(&work), solver_(subject.create(registry)) {
   reload();
 }
 
 void Timed::reload() {
-  solver_->load(work_.scene, work_.state);
-  steps_left_ = work_.steps_allowed;
+  solver_->load(work_->scene, work_->state);
+  steps_left_ = work_->steps_allowed;
   // The first step allocates and sorts; it is paid once per simulation and not timed.
-  for (int warm = 0; warm < 2; ++warm) {
-    const double start = seconds_now();
-    solver_->step(work_.scene.time.step);
-    last_step_ = seconds_now() - start;
-    --steps_left_;
-  }
+  for (int warm = 0; warm < 2; ++warm) take(1);
 }
 
-double Timed::repetition(double least) {
+int Timed::steps_for(double least) const {
   if (interrupted()) throw Interrupted{};
-  const int most = work_.steps_allowed / 4;
-  const int steps = std::clamp(static_cast<int>(std::ceil(least / last_step_)), 1, most);
-  if (steps_left_ < steps) reload();
+  const int most = work_->steps_allowed / 4;
+  return std::clamp(static_cast<int>(std::ceil(least / last_step_)), 1, most);
+}
+
+void Timed::reload_unless(int steps_are_left) {
+  if (steps_left_ < steps_are_left) reload();
+}
+
+double Timed::take(int steps) {
   const double start = seconds_now();
-  for (int i = 0; i < steps; ++i) solver_->step(work_.scene.time.step);
+  for (int i = 0; i < steps; ++i) solver_->step(work_->scene.time.step);
   last_step_ = (seconds_now() - start) / steps;
   steps_left_ -= steps;
   return last_step_;
+}
+
+double Timed::repetition(double least) {
+  const int steps = steps_for(least);
+  reload_unless(steps);
+  return take(steps);
 }
 
 namespace {

@@ -40,12 +40,19 @@ class Timed {
   /// Throws Interrupted.
   double repetition(double least);
 
+  /// The three parts of a repetition, for whoever starts several at once: how many steps take
+  /// about `least` seconds (throws Interrupted); loading again unless so many are left; and
+  /// taking them, which returns the seconds of one.
+  int steps_for(double least) const;
+  void reload_unless(int steps_are_left);
+  double take(int steps);
+
   Solver& solver() { return *solver_; }
 
  private:
   void reload();
 
-  const Workload& work_;
+  const Workload* work_;
   std::unique_ptr<Solver> solver_;
   int steps_left_ = 0;
   double last_step_ = 0;  ///< [s]

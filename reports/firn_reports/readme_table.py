@@ -34,6 +34,12 @@ def rate_rows(results):
     return rows
 
 
+def span(values, digits):
+    """"34 to 39", or one number if all are the same."""
+    least, most = number(min(values), digits), number(max(values), digits)
+    return least if least == most else f"{least} to {most}"
+
+
 def facts(results):
     """(what, figure) of everything else that the summary quotes."""
     found = []
@@ -44,9 +50,12 @@ def facts(results):
         if (share := case.value("FMA peak")) is not None:
             needed.setdefault(case["target"].upper(), []).append(100 * share)
     for target, shares in needed.items():
-        least, most = number(min(shares), 2), number(max(shares), 2)
-        found.append((f"share of the FMA peak of {target}, optimized, what the factored step needs",
-                      f"{least} %" if least == most else f"{least} to {most} %"))
+        found.append((f"share of the FMA peak of {target}, optimized, what the factored step needs", f"{span(shares, 2)} %"))
+    for threads in sorted({c["threads"] for c in results.suite("scaling") if c.value("efficiency") is not None}):
+        mine = [c for c in results.suite("scaling") if c["threads"] == threads and c.value("efficiency") is not None]
+        copies = [c.value(figures.COPIES) for c in mine if c.value(figures.COPIES) is not None]
+        beside = f"; {span(copies, 3)}" if copies else ""
+        found.append((f"efficiency of {threads} threads{'; of as many independent copies' if copies else ''}", span([c.value("efficiency") for c in mine], 3) + beside))
     if (order := accuracy.best_order(results)):
         found.append((f"observed order, {order[1]}", number(order[0], 3)))
     if (worst := limits.worst_limit(results)):

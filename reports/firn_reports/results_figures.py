@@ -29,16 +29,20 @@ def styles(names):
     return {name: {"color": SERIES[i % 8], "marker": MARKERS[i % 8], "linestyle": DASHES[i % 8]} for i, name in enumerate(dict.fromkeys(names))}
 
 
-def bars(rows, xlabel, log=False, zero=False, marks=(), text=lambda value: plain(float(f"{value:.3g}"))):
-    """Horizontal bars: (label, value, low, high), the value written at the end."""
+def bars(rows, xlabel, log=False, zero=False, marks=(), ticks=(), text=lambda value: plain(float(f"{value:.3g}"))):
+    """Horizontal bars: (label, value, low, high), the value written at the end. `marks`: dashed lines through all of them; `ticks`: a value beside each, or None."""
     figure, axes = panel(4.6, 0.75 + 0.3 * max(len(rows), 2))
-    lowest, highest = min([0, *(row[2] for row in rows)]), max([0, *(row[3] for row in rows)])
+    lowest, highest = min([0, *(row[2] for row in rows)]), max([0, *(row[3] for row in rows), *(t for t in ticks if t)])
     for y, (label, value, low, high) in enumerate(rows):
         # The number stands behind its bar, and behind a dashed line that it would cross.
-        end = max([value, high, 0] + [x for x in marks if value <= x <= max(value, high) + 0.25 * (highest - lowest)])
+        tick = ticks[y] if y < len(ticks) else None
+        reach = max(value, high, tick or 0)
+        end = max([reach, 0] + [x for x in marks if value <= x <= reach + 0.25 * (highest - lowest)])
         colour = BAD if zero and value < 0 else SERIES[0]
         axes.barh(y, value, height=0.62, color=colour, alpha=0.85)
         axes.plot([low, high], [y, y], color=INK, linewidth=1.2)
+        if tick:
+            axes.plot([tick, tick], [y - 0.38, y + 0.38], color=SERIES[1], linewidth=2.5, solid_capstyle="butt")
         axes.annotate(text(value), (end, y), xytext=(4, 0), textcoords="offset points", va="center", fontsize=8.5)
     for x in marks:
         axes.axvline(x, color=MUTED, linewidth=1, linestyle="--")
@@ -90,6 +94,10 @@ def speed(results):
     return made + scaling(results)
 
 
+# Of n solvers with one thread each that step at the same time: what the machine gives to n threads.
+COPIES = "efficiency of independent copies"
+
+
 def scaling(results):
     """Threads and sizes as ratios inside one interleaved run."""
     cases = sorted(results.suite("scaling"), key=lambda c: (c["precision"], c["deformation"], c["particles"]))
@@ -98,8 +106,11 @@ def scaling(results):
     threads = [c for c in cases if c.value("efficiency") is not None]
     if threads:
         rows = [(f"{name(c)}, {c['threads']} T", *with_quartiles(c, "efficiency", c["threads"])) for c in threads]
-        made.append(Figure("Speed-up by threads", bars(rows, "times one thread", marks=sorted({c["threads"] for c in threads})), command="firn bench scaling",
-                           caption="One thread and all threads took turns. Dashed: the number of threads." + left_out(c for c in cases if c["threads"] > 1)))
+        copies = [c.value(COPIES) and c.value(COPIES) * c["threads"] for c in threads]
+        told = "Thick line: what as many one-thread solvers reach that share nothing, so what the machine gave in the same seconds. " if any(copies) else ""
+        made.append(Figure("Speed-up by threads", bars(rows, "times one thread", marks=sorted({c["threads"] for c in threads}), ticks=copies), command="firn bench scaling",
+                           caption=f"One thread and all threads took turns, in rounds with fresh memory; medians and quartiles of the rounds. {told}Dashed: the number of threads."
+                                   + left_out(c for c in cases if c["threads"] > 1)))
     sizes = [c for c in cases if c.value("growth") is not None]
     if sizes:
         rows = [(name(c), *with_quartiles(c, "growth")) for c in sizes]

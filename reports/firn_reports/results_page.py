@@ -152,7 +152,9 @@ def look_at(results, changes, broken):
         found.append((shortened(f"{case.suite}/{case.name}: {case.status}: {case.message}"), "facts"))
     scaling = tables.worst_scaling(results)
     if scaling and scaling[0] < 0.9 * scaling[1]:
-        found.append((f"{number(scaling[1])} threads bring {number(scaling[0], 3)}× at worst ({scaling[2]})", "speed"))
+        copies = scaling[3].value(figures.COPIES)
+        beside = f"; as many independent copies brought {number(copies * scaling[1], 3)}×" if copies else ""
+        found.append((f"{number(scaling[1])} threads bring {number(scaling[0], 3)}× at worst ({scaling[2]}){beside}", "speed"))
     growth = tables.size_growth(results)
     if growth and growth[0] > 1.15:
         found.append((f"A particle costs {number(growth[0], 3)}× what it costs among 100 000 ({growth[1]})", "speed"))

@@ -47,7 +47,7 @@ def roofline_points(results):
 
 
 def worst_scaling(results):
-    """(speed-up, threads, who) where more threads bring least, from interleaved runs."""
+    """(speed-up, threads, who, case) where more threads bring least, from interleaved runs."""
     rows = [(c.value("efficiency") * c["threads"], c["threads"], f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])} particles", c)
             for c in results.suite("scaling") if c.value("efficiency") is not None]
     return min(rows, key=lambda row: row[0] / row[1], default=None)

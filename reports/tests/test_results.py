@@ -135,6 +135,7 @@ def test_the_table_for_the_readme_quotes_what_the_page_quotes(plain, folder, cap
     assert "| optimized, float, plastic | 1 000 000 | 10 M/s | 20 M/s (2 T) | 20× | – |" in text
     assert "| verification of optimized, float | VALID, 3 checks |" in text and "| wrong solvers caught | 2 of 2 |" in text
     assert "| share of the FMA peak of AVX2, optimized, what the factored step needs | 50 % |" in text
+    assert "| efficiency of 2 threads; of as many independent copies | 0.8; 0.9 |" in text
     assert "Measured 2026-01-01 on synthetic" in text
     assert main([str(plain.path), "--readme-table"]) == 0
     assert capsys.readouterr().out.strip() == text.strip()
@@ -171,6 +172,23 @@ def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
     assert results_tables.worst_scaling(plain)[0] == pytest.approx(1.6)
     assert results_tables.size_growth(plain)[0] == pytest.approx(1.2)
     assert results_tables.costliest_skip(plain)[1:] == ("box", "plastic")
+
+
+def test_what_threads_bring_stands_beside_what_independent_copies_bring(plain, folder, monkeypatch):
+    texts = [text for text, _ in results_page.build(plain)[0].look_at]
+    assert any(text.startswith("2 threads bring 1.6× at worst") and text.endswith("; as many independent copies brought 1.8×") for text in texts)
+    drawn = {}
+    monkeypatch.setattr(results_figures, "bars", lambda rows, xlabel, **more: drawn.update({xlabel: (rows, more)}) or "")
+    figure = results_figures.scaling(plain)[0]
+    rows, more = drawn["times one thread"]
+    assert [row[1] for row in rows] == pytest.approx([1.6]) and more["ticks"] == pytest.approx([1.8]) and "share nothing" in figure.caption
+    # A file from before the copies were measured gives the figure without them.
+    cases = synthetic.synthetic_cases()
+    for case in cases:
+        case["quantities"].pop("efficiency of independent copies", None)
+    old = results.read(synthetic.write_results(folder / "no_copies.h5", cases=cases))
+    assert "share nothing" not in results_figures.scaling(old)[0].caption and drawn["times one thread"][1]["ticks"] == [None]
+    assert "| efficiency of 2 threads | 0.8 |" in readme_table.text(old)
 
 
 def test_semi_implicit_steps_are_told_with_the_explicit_ones_beside_them(plain):
