@@ -24,9 +24,19 @@ HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
+/// Whether the coefficients hold the 4 nodes of every cell in z apart, on a cache line of their
+/// own. Where a row fills a line, three out of four rows that start at any node would lie on two
+/// lines, and be read twice.
+template <class T>
+inline constexpr bool cells_apart = row_size<T> * sizeof(T) == 64;
+/// From one cell in z to the next, and from one row to the next.
+template <class T>
+inline constexpr int cell_stride = cells_apart<T> ? row_size<T> : channels<T>;
+template <class T>
+inline constexpr int row_stride = cells_apart<T> ? block_cells* row_size<T> : tile_row_size<T>;
 /// Strides in the coefficients: [x 1…5][y][V, Δ, S][row][z][channel].
 template <class T>
-inline constexpr int kind_stride = gather_rows<T>* tile_row_size<T>;
+inline constexpr int kind_stride = gather_rows<T>* row_stride<T>;
 template <class T>
 inline constexpr int coefficient_y = 3 * kind_stride<T>;
 template <class T>
@@ -40,21 +50,22 @@ inline constexpr int gathered_rows = 3 * gradient_rows<T> + gather_rows<T> - gra
 /// V, Δ and S of the local values.
 template <class T>
 void difference(const Workspace<T>& work) {
-  constexpr int R = tile_row_size<T>;
-  constexpr int rows = gather_rows<T>;
+  constexpr int rows = gather_rows<T>, L = lane_count<T>;
   const Lanes<T> d;
-  constexpr int plane = tile_nodes * rows * R;
+  constexpr int plane = tile_nodes * rows * tile_row_size<T>;
   for (int x = 1; x <= 5; ++x)
     for (int y = 0; y < tile_nodes; ++y) {
-      const T* from = work.local + x * plane + y * rows * R;
+      const T* from = work.local + x * plane + y * rows * tile_row_size<T>;
       T* to = work.coefficients + (x - 1) * coefficient_x<T> + y * coefficient_y<T>;
-      for (int i = 0; i < rows * R; i += lane_count<T>) {
-        const auto v = hn::Load(d, from + i);
-        const auto right = hn::Sub(hn::Load(d, from + plane + i), v);
-        const auto left = hn::Sub(v, hn::Load(d, from - plane + i));
-        hn::Store(v, d, to + i);
-        hn::Store(right, d, to + kind_stride<T> + i);
-        hn::Store(hn::Sub(right, left), d, to + 2 * kind_stride<T> + i);
+      for (int i = 0; i < rows * row_stride<T>; i += L, to += L) {
+        const int row = i / row_stride<T>, cell = i / row_size<T> % block_cells;
+        const T* p = from + (cells_apart<T> ? row * tile_row_size<T> + cell * channels<T> : i);
+        const auto v = hn::LoadU(d, p);
+        const auto right = hn::Sub(hn::LoadU(d, p + plane), v);
+        const auto left = hn::Sub(v, hn::LoadU(d, p - plane));
+        hn::Store(v, d, to);
+        hn::Store(right, d, to + kind_stride<T>);
+        hn::Store(hn::Sub(right, left), d, to + 2 * kind_stride<T>);
       }
     }
 }
@@ -99,7 +110,7 @@ HWY_INLINE void contract(const GatherWeights<T>& g, int l, const T* from, Contra
   for (int j = 0; j < 4; ++j, from += coefficient_y<T>) {
     const Row<T> w_y = all(g.w_y[j] + l), dw_y = all(g.d_y[j] + l);
     for (int r = first; r < last; ++r) {
-      const T* p = from + r * tile_row_size<T>;
+      const T* p = from + r * row_stride<T>;
       const Row<T> slope = load_row(p + kind_stride<T>);
       const Row<T> s1 = load_row(p + 2 * kind_stride<T>);
       const Row<T> s2 = load_row(p + coefficient_x<T> + 2 * kind_stride<T>);
@@ -121,7 +132,7 @@ HWY_INLINE void gather_particle(const ZKernel<T>& kernel, const Row<T>& gradient
                                 int stride) {
   constexpr int rows = gather_rows<T>, gradients = gradient_rows<T>;
   const int place = static_cast<int>(g.place[l]);
-  const T* from = coefficients + (place >> 2) * coefficient_y<T> + (place & 3) * channels<T>;
+  const T* from = coefficients + (place >> 2) * coefficient_y<T> + (place & 3) * cell_stride<T>;
   Contracted<T> sum;
   if constexpr (channels<T> == 1) {  // all 12 sums at once would not fit into 16 registers
     contract<0, gradients>(g, l, from, sum);

@@ -127,7 +127,7 @@ struct Workspace {
 inline constexpr int record_size = 28;
 inline constexpr int moments_size = tile_nodes * 4 * 8 * tile_row;
 inline constexpr int local_size = tile_nodes * tile_nodes * 8 * tile_row;
-inline constexpr int coefficients_size = 5 * tile_nodes * 3 * 8 * tile_row;
+inline constexpr int coefficients_size = 5 * tile_nodes * 3 * 8 * 4 * block_cells;
 
 /// What stages 6 to 8 need of one node block, planar: node (x,y,z) at (4x + y)·4 + z.
 template <class T>
