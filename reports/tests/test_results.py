@@ -1,5 +1,7 @@
 """Reading results, comparing them with a baseline, and the page that tells of them."""
 
+from pathlib import Path
+
 import h5py
 import numpy as np
 import pytest
@@ -134,7 +136,8 @@ def test_the_table_for_the_readme_quotes_what_the_page_quotes(plain, folder, cap
     text = readme_table.text(plain)
     assert "| optimized, float, plastic | 1 000 000 | 10 M/s | 20 M/s (2 T) | 20× | – |" in text
     assert "| verification of optimized, float | VALID, 3 checks |" in text and "| wrong solvers caught | 2 of 2 |" in text
-    assert "| share of the FMA peak of AVX2, optimized, what the factored step needs | 50 % |" in text
+    assert "| share of the FMA peak of AVX2, optimized, 100 000 particles, what the factored step needs | 50 % |" in text
+    assert "| share of the FMA peak of AVX2, optimized, 100 000 particles, what a plain step needs | 60 % |" in text
     assert "| efficiency of 2 threads; of as many independent copies | 0.8; 0.9 |" in text
     assert "Measured 2026-01-01 on synthetic" in text
     assert main([str(plain.path), "--readme-table"]) == 0
@@ -166,6 +169,19 @@ def test_share_of_the_peak_is_the_plain_count_over_the_probe(plain):
     share, _ = results_figures.best_share_of_peak(plain)
     # The fastest: 70 ns per particle-step, against 1e11 flop/s.
     assert share == pytest.approx(64 * 64 / 70e-9 / 1e11)
+
+
+def test_the_report_and_the_benchmarks_have_one_plain_count():
+    header = Path(__file__).parents[2] / "bench" / "needed_work.hpp"
+    assert f"static_assert(plain_flop == {results_figures.PLAIN_FLOP});" in header.read_text()
+
+
+def test_both_counts_of_the_share_of_the_peak_are_shown_and_named(plain, monkeypatch):
+    drawn = {}
+    monkeypatch.setattr(results_figures, "bars", lambda rows, xlabel, **more: drawn.update({xlabel: rows[0][1]}) or "")
+    titles = [figure.title for figure in results_figures.targets(plain)]
+    assert drawn == {"ns": pytest.approx(100), "% of its FMA peak, factored count": pytest.approx(50), "% of its FMA peak, plain count": pytest.approx(60)}
+    assert titles[1].endswith("factored count") and titles[2].endswith("plain count")
 
 
 def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
