@@ -103,6 +103,13 @@ HWY_INLINE Row<T> all_channels(const T* p) {
   }
 }
 
+/// Where a row has two channels: what was in the other one.
+template <class T>
+HWY_INLINE Row<T> other_channel(const Row<T>& r) {
+  static_assert(channels<T> == 2);
+  return Row<T>{{hn::Reverse2(Lanes<T>(), r.part[0])}};
+}
+
 template <class T>
 HWY_INLINE Row<T> operator*(const Row<T>& a, const Row<T>& b) {
   Row<T> r;
@@ -161,8 +168,9 @@ struct ZKernel {
         d3(per_node<T>(-0.5, 1.5, -1.5, 0.5)),
         d2(per_node<T>(0, -2, 2, 0)) {}
 
-  HWY_INLINE void weights(const T* r, Row<T>& w, Row<T>& d) const {
-    const Row<T> s = mul_add(sign, all(r), base);
+  HWY_INLINE void weights(const T* r, Row<T>& w, Row<T>& d) const { weights(all(r), w, d); }
+  HWY_INLINE void weights(const Row<T>& r, Row<T>& w, Row<T>& d) const {
+    const Row<T> s = mul_add(sign, r, base);
     const Row<T> s2 = s * s;
     w = mul_add(mul_add(w3, s, w2), s2, w0);
     d = mul_add(d3, s, d2) * s;

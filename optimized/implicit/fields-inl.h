@@ -38,19 +38,19 @@ void planar_vector(const T* sums, T* field) {
   separate_rows<T, force_rows<T>>(sums, 3, field);
 }
 
-/// A planar field interleaved as blocks gather it: [x][y][row][z][channel].
+/// A planar field interleaved as blocks gather it: [x][y][row][z][channel]. Of two channels, the
+/// second row holds the third component twice.
 template <class T>
 void pack_vector(const T* field, T* gathered) {
   constexpr int C = channels<T>;
   const hn::CappedTag<T, 4> d;  // the nodes of a row; two vectors on 128-bit targets in double
   constexpr int step = static_cast<int>(hn::MaxLanes(d));
-  const auto zero = hn::Zero(d);
   for (int i = 0; i < nodes_per_block; i += 4)
     for (int r = 0; r < force_rows<T>; ++r, gathered += row_size<T>)
       for (int z = 0; z < 4; z += step) {
         const auto channel = [&](int c) HWY_ATTR {
           c += r * C;
-          return c < 3 ? hn::LoadU(d, field + c * nodes_per_block + i + z) : zero;
+          return hn::LoadU(d, field + (c < 3 ? c : 2) * nodes_per_block + i + z);
         };
         T* const to = gathered + z * C;
         if constexpr (C == 1) {
@@ -58,7 +58,7 @@ void pack_vector(const T* field, T* gathered) {
         } else if constexpr (C == 2) {
           hn::StoreInterleaved2(channel(0), channel(1), d, to);
         } else {
-          hn::StoreInterleaved4(channel(0), channel(1), channel(2), zero, d, to);
+          hn::StoreInterleaved4(channel(0), channel(1), channel(2), hn::Zero(d), d, to);
         }
       }
 }

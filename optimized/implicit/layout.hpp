@@ -27,10 +27,15 @@ struct HessianBlock {
   const std::int32_t* begin;  ///< where each of the 64 cells begins, and the end
 };
 
+/// Numbers per particle while an x-slab is worked upon: weights, and a record of what it scatters.
+inline constexpr int hessian_weights = 14;
+inline constexpr int hessian_record_size = 12;
+
 /// Scratch memory of one thread for applying the operator in type T.
 template <class T>
 struct HessianScratch {
-  T* records;       ///< record_size per particle of an x-slab, and of a vector more
+  T* weights;       ///< hessian_weights per particle of an x-slab, and of two vectors more
+  T* records;       ///< hessian_record_size of the same
   T* moments;       ///< one x-slab of the scatter
   T* local;         ///< the node values around a block
   T* coefficients;  ///< their difference form

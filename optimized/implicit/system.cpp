@@ -145,7 +145,10 @@ void ImplicitSystem<S>::make_room_for_records() {
     for (int x = 0; x < block_cells; ++x, begin += 16)
       largest = std::max(largest, begin[16] - begin[0]);
   }
-  const auto records = static_cast<std::size_t>(largest + 2 * page_particles) * record_size;
+  // Slabs begin and end inside of vectors; places are counted from whole cache lines.
+  largest_slab_ = (largest / page_particles + 3) * page_particles;
+  const auto records =
+      static_cast<std::size_t>(largest_slab_) * (hessian_weights + hessian_record_size);
   const std::size_t in_double =
       vector_moments_size + vector_local_size + vector_coefficients_size + records;
   const std::size_t n = in_double * (sizeof(double) / sizeof(S));
@@ -160,7 +163,8 @@ HessianScratch<T> ImplicitSystem<S>::scratch() const {
       (*memory_)[static_cast<std::size_t>(omp_get_thread_num())].numbers.data());
   s.local = s.moments + vector_moments_size;
   s.coefficients = s.local + vector_local_size;
-  s.records = s.coefficients + vector_coefficients_size;
+  s.weights = s.coefficients + vector_coefficients_size;
+  s.records = s.weights + static_cast<std::ptrdiff_t>(largest_slab_) * hessian_weights;
   return s;
 }
 

@@ -135,6 +135,7 @@ class ImplicitSystem {
   NodeStore<S>* nodes_ = nullptr;
   std::vector<ThreadMemory<S>>* memory_ = nullptr;
   int slots_ = 0;
+  int largest_slab_ = 0;  ///< places for the particles of an x-slab
   double factor_ = 0;
 
   AlignedArray<S> factors_;           ///< chunks, block after block
