@@ -47,25 +47,26 @@ inline constexpr int coefficient_x = tile_nodes* coefficient_y<T>;
 template <class T>
 inline constexpr int gathered_rows = 3 * gradient_rows<T> + gather_rows<T> - gradient_rows<T>;
 
-/// V, Δ and S of the local values.
+/// V, Δ and S of the local values; at the last node in x nobody asks for V and Δ.
 template <class T>
 void difference(const Workspace<T>& work) {
-  constexpr int rows = gather_rows<T>, L = lane_count<T>;
+  constexpr int rows = gather_rows<T>;
   const Lanes<T> d;
   constexpr int plane = tile_nodes * rows * tile_row_size<T>;
-  for (int x = 1; x <= 5; ++x)
-    for (int y = 0; y < tile_nodes; ++y) {
-      const T* from = work.local + x * plane + y * rows * tile_row_size<T>;
-      T* to = work.coefficients + (x - 1) * coefficient_x<T> + y * coefficient_y<T>;
-      for (int i = 0; i < rows * row_stride<T>; i += L, to += L) {
-        const int row = i / row_stride<T>, cell = i / row_size<T> % block_cells;
-        const T* p = from + (cells_apart<T> ? row * tile_row_size<T> + cell * channels<T> : i);
-        const auto v = hn::LoadU(d, p);
-        const auto right = hn::Sub(hn::LoadU(d, p + plane), v);
-        const auto left = hn::Sub(v, hn::LoadU(d, p - plane));
-        hn::Store(v, d, to);
-        hn::Store(right, d, to + kind_stride<T>);
+  for (int y = 0; y < tile_nodes; ++y)
+    for (int i = 0; i < rows * row_stride<T>; i += lane_count<T>) {
+      const int row = i / row_stride<T>, cell = i / row_size<T> % block_cells;
+      const T* from = work.local + y * rows * tile_row_size<T> +
+                      (cells_apart<T> ? row * tile_row_size<T> + cell * channels<T> : i);
+      T* to = work.coefficients + y * coefficient_y<T> + i;
+      auto v = hn::LoadU(d, from + plane);
+      auto left = hn::Sub(v, hn::LoadU(d, from));
+      for (int x = 1; x <= 5; ++x, to += coefficient_x<T>) {
+        const auto next = hn::LoadU(d, from + (x + 1) * plane);
+        const auto right = hn::Sub(next, v);
+        if (x < 5) hn::Store(v, d, to), hn::Store(right, d, to + kind_stride<T>);
         hn::Store(hn::Sub(right, left), d, to + 2 * kind_stride<T>);
+        v = next, left = right;
       }
     }
 }

@@ -93,7 +93,8 @@ HWY_INLINE void prefetch_chunk(const BlockView<T>& block, int slots, int i, int 
   for (int s = first; s < last; ++s) hwy::Prefetch(q + s * chunk_lanes<T>);
 }
 
-/// Cell numbers (4x + y)·4 + z of all particles, and where each cell's records begin.
+/// Cell numbers (4x + y)·4 + z of all particles, and where each cell's records begin. Lanes beyond
+/// the last particle lie in a cell of their own behind all others.
 template <class T>
 HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* cells,
                             int begin[nodes_per_block + 1]) {
@@ -110,6 +111,7 @@ HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* 
     const auto xy = hn::Add(hn::ShiftLeft<2>(x), y);
     hn::Store(hn::Add(hn::ShiftLeft<2>(xy), z), di, id);
     const int m = block.count - i < n ? block.count - i : n;
+    for (int l = m; l < n; ++l) cells[i + l] = nodes_per_block;
     for (int l = 0; l < m; ++l) {
       cells[i + l] = static_cast<std::uint8_t>(id[l]);
       ++count[l & 3][id[l] & 63];  // four histograms: equal neighbours do not wait for each other
@@ -129,16 +131,12 @@ HWY_INLINE bool write_records(const BlockView<T>& block, int slots, const std::u
   constexpr int chunk = chunk_lanes<T>;
   const Lanes<T> d;
   auto stress = hn::Zero(d);
-  int next[nodes_per_block];
-  for (int c = 0; c < nodes_per_block; ++c) next[c] = begin[c];
+  int next[nodes_per_block + 1];
+  for (int c = 0; c <= nodes_per_block; ++c) next[c] = begin[c];
   for (int i = 0; i < block.count; i += n) {
     const T* q = vector_of(block, slots, i);
     T* to[n];
-    for (int l = 0; l < n; ++l) {
-      // Lanes beyond the last particle write to spare records behind all others.
-      const int place = i + l < block.count ? next[cells[i + l]]++ : block.count + l;
-      to[l] = records + place * record_size;
-    }
+    for (int l = 0; l < n; ++l) to[l] = records + next[cells[i + l]]++ * record_size;
     const auto slot = [&](int s) HWY_ATTR { return hn::Load(d, q + s * chunk); };
     const auto x = axis_position<T>(q + slot_x * chunk);
     const auto y = axis_position<T>(q + (slot_x + 1) * chunk);
