@@ -24,11 +24,16 @@ double Copies::together(double least) {
   for (Timed& copy : copies_) copy.reload_unless(steps);
   std::barrier start(static_cast<std::ptrdiff_t>(copies_.size()));
   std::vector<std::future<double>> times;
-  for (Timed& copy : copies_)
-    times.push_back(std::async(std::launch::async, [&start, &copy, steps] {
-      start.arrive_and_wait();
-      return copy.take(steps);
-    }));
+  try {
+    for (Timed& copy : copies_)
+      times.push_back(std::async(std::launch::async, [&start, &copy, steps] {
+        start.arrive_and_wait();
+        return copy.take(steps);
+      }));
+  } catch (...) {  // the system gives no more threads: those that wait must not wait for them
+    for (std::size_t i = times.size(); i < copies_.size(); ++i) start.arrive_and_drop();
+    throw;
+  }
   double rate = 0;
   for (std::future<double>& time : times) rate += 1 / time.get();
   return static_cast<double>(copies_.size()) / rate;

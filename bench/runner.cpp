@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
-#include <ctime>
 #include <exception>
 #include <string_view>
 
@@ -103,13 +102,6 @@ void judge(results::Case& result) {
                      ", leave the median uncertain by " + percent(error) + ", allowed " +
                      percent(largest_median_error);
   }
-}
-
-/// Processor time of all threads of this process [s].
-double processor_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 /// Runs the case and judges it.

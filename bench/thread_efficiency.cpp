@@ -1,5 +1,8 @@
 #include "bench/thread_efficiency.hpp"
 
+#include <chrono>
+#include <thread>
+
 #include "bench/copies.hpp"
 #include "bench/statistics.hpp"
 
@@ -14,13 +17,40 @@ double gain_over_neighbours(const std::vector<double>& alone, const std::vector<
   return median(gains);
 }
 
+namespace {
+
+bool has_copies(const Subject& subject, const Workload& work, const Rounds& rounds) {
+  return static_cast<std::size_t>(subject.threads) * work.state.particles.size() <=
+         rounds.most_copied;
+}
+
+}  // namespace
+
+void wait_for_rest() {
+  // [s]; whoever computes uses all of it, whoever sleeps some µs. On a busy machine a thread
+  // that computes may get nothing for some ms.
+  constexpr double look = 5e-3;
+  for (int i = 0; i < 200; ++i) {
+    const double before = processor_seconds();
+    std::this_thread::sleep_for(std::chrono::duration<double>(look));
+    if (processor_seconds() - before < 0.2 * look) return;
+  }
+}
+
 Round measure_round(const Registry& registry, const Subject& subject, const Workload& work,
                     const Rounds& rounds) {
   Timed timed(registry, subject, work);
-  Copies copies(registry, subject, work, subject.threads);
+  const bool several = has_copies(subject, work, rounds);
+  Copies copies(registry, subject, work, several ? subject.threads : 1);
   Round round;
-  const auto all = [&] { round.all.push_back(timed.repetition(rounds.seconds)); };
-  const auto together = [&] { round.copies.push_back(copies.together(rounds.seconds)); };
+  const auto all = [&] {
+    round.all.push_back(timed.repetition(rounds.seconds));
+    wait_for_rest();
+  };
+  const auto together = [&] {
+    if (several) round.copies.push_back(copies.together(rounds.seconds));
+  };
+  wait_for_rest();
   round.alone.push_back(copies.alone(0, rounds.seconds));
   for (int k = 0; k < rounds.repetitions; ++k) {
     // In turns the first, so that neither is always the farther from its neighbours' middle.
@@ -68,10 +98,12 @@ std::vector<Quantity> measure_efficiency(const Registry& registry, const Subject
   for (int i = 0; i < rounds.rounds; ++i) {
     const Round round = measure_round(registry, subject, work, rounds);
     efficiency.values.push_back(gain_over_neighbours(round.alone, round.all) / subject.threads);
+    keep(all, round.all), keep(alone, round.alone), keep(copy, round.copies);
+    if (round.copies.empty()) continue;
     machine.values.push_back(gain_over_neighbours(round.alone, round.copies));
     share.values.push_back(efficiency.values.back() / machine.values.back());
-    keep(all, round.all), keep(alone, round.alone), keep(copy, round.copies);
   }
+  if (copy.values.empty()) return {efficiency, all, alone};
   return {efficiency, machine, share, all, alone, copy};
 }
 

@@ -24,6 +24,10 @@ struct Rounds {
   int rounds;
   int repetitions;  ///< of each in a round
   double seconds;   ///< of one repetition, at least
+  /// Particles of all copies together, at most; beyond, none are made but the one that runs
+  /// alone, and what they would tell is left out. 16 M fill some 5 GB (double), which has to
+  /// be loaded anew in every round; 64 copies of a large block would fill a machine.
+  std::size_t most_copied = 16'000'000;
 };
 
 /// Seconds of one step in one round: alone[k] ran before, alone[k + 1] after all[k] and
@@ -35,6 +39,11 @@ struct Round {
 /// Median over k of (alone[k] + alone[k + 1]) / 2 over other[k]: what drifts evenly cancels,
 /// and one disturbed repetition of three or more does not move it.
 double gain_over_neighbours(const std::vector<double>& alone, const std::vector<double>& other);
+
+/// Waits until no thread of this process uses a processor, at most a second. Threads that
+/// shared a loop wait for the next one for a while before they sleep (libgomp some ms, libomp
+/// 200 ms), and would take their processors from whoever is measured next.
+void wait_for_rest();
 
 /// One round of `subject` with its threads, of as many copies of it with one thread each, and
 /// of one such copy alone.

@@ -29,7 +29,8 @@ std::vector<Subject> subjects(const Registry& registry, const Options& options,
 /// "100000" → "100 k".
 std::string short_count(std::size_t particles);
 
-double seconds_now();  ///< monotonic
+double seconds_now();        ///< monotonic
+double processor_seconds();  ///< processor time of all threads of this process
 
 /// A solver that is stepped through one workload; load() again when its promise runs out.
 class Timed {

@@ -111,5 +111,38 @@ TEST(ThreadEfficiency, CopiesStepAtTheSameTime) {
   EXPECT_LT(copies, 0.7);
 }
 
+/// So many copies as a machine with many processors would need are not made.
+TEST(ThreadEfficiency, TooManyParticlesForCopiesLeaveThemOut) {
+  Sleeper::made = 0;
+  const std::vector<results::Quantity> q = measure_sleepers(1e-3, 0, false, {3, 3, 1e-3, 15});
+  ASSERT_EQ(q.size(), 3u);  // two copies of 8 particles are one too many
+  EXPECT_EQ(q[0].name, "efficiency");
+  EXPECT_EQ(q[0].values.size(), 3u);
+  EXPECT_EQ(q[1].name, "time");
+  EXPECT_EQ(q[2].name, "time of one thread");
+  EXPECT_EQ(Sleeper::made, 3 * 2);
+}
+
+/// Threads that wait busily for their next work are not measured with what comes next.
+TEST(WaitForRest, ReturnsWhenABusyThreadIsDone) {
+  bool waited = false;
+  // Where others use all processors, a busy thread may rest as long as one that is done.
+  for (int i = 0; i < attempts && !waited; ++i) {
+    std::atomic<bool> started = false, done = false;
+    std::thread busy([&] {
+      started = true;
+      const double start = seconds_now();
+      while (seconds_now() - start < 0.05) {
+      }
+      done = true;
+    });
+    while (!started) std::this_thread::yield();
+    wait_for_rest();
+    waited = done;
+    busy.join();
+  }
+  EXPECT_TRUE(waited);
+}
+
 }  // namespace
 }  // namespace firn::bench

@@ -107,9 +107,9 @@ def scaling(results):
     if threads:
         rows = [(f"{name(c)}, {c['threads']} T", *with_quartiles(c, "efficiency", c["threads"])) for c in threads]
         copies = [c.value(COPIES) and c.value(COPIES) * c["threads"] for c in threads]
-        told = "Thick line: what as many one-thread solvers reach that share nothing, so what the machine gave in the same seconds. " if any(copies) else ""
+        told = ", in rounds with fresh memory; medians and quartiles of the rounds. Thick line: what as many one-thread solvers reach that share nothing, so what the machine gave in the same seconds" if any(copies) else ""
         made.append(Figure("Speed-up by threads", bars(rows, "times one thread", marks=sorted({c["threads"] for c in threads}), ticks=copies), command="firn bench scaling",
-                           caption=f"One thread and all threads took turns, in rounds with fresh memory; medians and quartiles of the rounds. {told}Dashed: the number of threads."
+                           caption=f"One thread and all threads took turns{told}. Dashed: the number of threads."
                                    + left_out(c for c in cases if c["threads"] > 1)))
     sizes = [c for c in cases if c.value("growth") is not None]
     if sizes:
