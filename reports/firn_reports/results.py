@@ -90,11 +90,16 @@ def attributes(node):
     return {key: plain(value) for key, value in node.attrs.items()}
 
 
+# What older files call a quantity, by suite, and what it is called now.
+RENAMED = {("targets", "FMA peak"): "FMA peak, factored count"}
+
+
 def read_case(suite, name, group):
     a = attributes(group)
     quantities = {}
     for key, data in group["quantities"].items():
         q = attributes(data)
+        key = RENAMED.get((suite, key), key)
         quantities[key] = Quantity(key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float))
     return Case(suite, name, a["title"], a["command"], a["status"], a["message"], a["validation"], int(a["session"]),
                 attributes(group["parameters"]), quantities, group["calibration"][()], a.get("wall_seconds"), a.get("processor_seconds"), a.get("finished", ""))

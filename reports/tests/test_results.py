@@ -190,6 +190,17 @@ def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
     assert results_tables.costliest_skip(plain)[1:] == ("box", "plastic")
 
 
+def test_the_share_of_the_peak_is_read_under_its_older_name(folder):
+    cases = synthetic.synthetic_cases()
+    for case in cases:
+        if case["suite"] == "targets":
+            case["quantities"]["FMA peak"] = case["quantities"].pop("FMA peak, factored count")
+            del case["quantities"]["FMA peak, plain count"]
+    old = results.read(synthetic.write_results(folder / "older_name.h5", cases=cases))
+    assert "| share of the FMA peak of AVX2, optimized, 100 000 particles, what the factored step needs | 50 % |" in readme_table.text(old)
+    assert [figure.title for figure in results_figures.targets(old)][1:] == ["Share of each instruction set's own peak, factored count"]
+
+
 def test_what_threads_bring_stands_beside_what_independent_copies_bring(plain, folder, monkeypatch):
     texts = [text for text, _ in results_page.build(plain)[0].look_at]
     assert any(text.startswith("2 threads bring 1.6× at worst") and text.endswith("; as many independent copies brought 1.8×") for text in texts)
