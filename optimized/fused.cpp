@@ -27,7 +27,7 @@ template <class T>
 void OptimizedSolver<T>::scatter_all() {
   const std::vector<int>& active = particles_.active();
   const int n = static_cast<int>(active.size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_))
   for (int a = 0; a < n; ++a) {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
     Block<T>& block = particles_.block(active[static_cast<std::size_t>(a)]);
@@ -163,7 +163,7 @@ auto OptimizedSolver<T>::update_all(int passes, bool collide) -> Found {
   const std::vector<int>& active = particles_.active();
   const int n = static_cast<int>(active.size());
   Found found;
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_))
   for (int a = 0; a < n; ++a) {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
     FaultReport report;
@@ -213,7 +213,8 @@ StepReport OptimizedSolver<T>::fused_step() {
   if (solves()) implicit_.release(nodes_.size());
   std::int64_t count = 0;
   bool finite = true;
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 16) reduction(+ : count) reduction(&& : finite)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_)) \
+    reduction(+ : count) reduction(&& : finite)
   for (int i = 0; i < n; ++i) {
     ThreadMemory<T>& memory = memory_[static_cast<std::size_t>(omp_get_thread_num())];
     const auto k = static_cast<std::size_t>(i);

@@ -97,7 +97,7 @@ template <class T>
 void OptimizedSolver<T>::refresh_stress() {
   if (!stress_stale_) return;
   const int n = static_cast<int>(particles_.active().size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_))
   for (int a = 0; a < n; ++a)
     kernels_.stress(
         particles_.view(particles_.block(particles_.active()[static_cast<std::size_t>(a)])),
@@ -166,7 +166,9 @@ TimeStep OptimizedSolver<T>::choose_time_step() {
   double speed2 = 0, sound2 = 0;
   const std::vector<int>& active = particles_.active();
   const int n = static_cast<int>(active.size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4) reduction(max : speed2, sound2)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_)) \
+    reduction(max                                                                              \
+              : speed2, sound2)
   for (int a = 0; a < n; ++a) {
     const Block<T>& block = particles_.block(active[static_cast<std::size_t>(a)]);
     for (int i = 0; i < block.count; ++i) {

@@ -130,7 +130,7 @@ template <class T>
 void OptimizedSolver<T>::volumes() {
   if (!volumes_unknown_ && skips_.volumes) return;
   const int n = static_cast<int>(particles_.active().size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_))
   for (int a = 0; a < n; ++a) {
     std::vector<double> rho;
     density_sums(static_cast<std::size_t>(a), rho);

@@ -1,5 +1,5 @@
 #pragma once
-/// The scratch memory of one thread.
+/// The scratch memory of one thread, and how much work it takes at a time.
 
 #include <algorithm>
 #include <cstdint>
@@ -9,6 +9,11 @@
 #include "optimized/memory.hpp"
 
 namespace firn::optimized {
+
+/// How many of n blocks a thread takes at a time: up to 16 neighbours, since each block asks for the
+/// next one's particles in advance and shares nodes with it, but six turns per thread at least, so
+/// that a thread which is held up holds up nobody.
+inline int blocks_per_turn(int n, int threads) { return std::clamp(n / (6 * threads), 1, 16); }
 
 template <class T>
 struct ThreadMemory {

@@ -123,7 +123,7 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
                    active.size() / 8 * lanes * hessian_slots);
   begin_.require(active.size() * (nodes_per_block + 1), active.size() * nodes_per_block / 8);
   const int n = static_cast<int>(active.size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_))
   for (int i = 0; i < n; ++i) {
     const auto a = static_cast<std::size_t>(i);
     ThreadMemory<S>& memory = (*memory_)[static_cast<std::size_t>(omp_get_thread_num())];
@@ -179,7 +179,7 @@ template <class T>
 void ImplicitSystem<S>::apply() {
   const HessianKernels<T, S>& kernels = hessian<T>();
   const int n = static_cast<int>(particles_->active().size());
-#pragma omp parallel for num_threads(threads_) schedule(dynamic, 4)
+#pragma omp parallel for num_threads(threads_) schedule(dynamic, blocks_per_turn(n, threads_))
   for (int i = 0; i < n; ++i) {
     const auto a = static_cast<std::size_t>(i);
     const HessianScratch<T> work = scratch<T>();
