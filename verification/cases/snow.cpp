@@ -24,6 +24,15 @@ Mat3 Random::rotation() {
   return Q.determinant() < 0 ? Mat3(-Q) : Q;
 }
 
+void random_particle(Random& random, double h, Particles& p, std::size_t i) {
+  p.v[i] = random.vec3();
+  p.m[i] = 400 * h * h * h / 8 * (1 + 0.5 * random());
+  p.V_0[i] = h * h * h / 8;
+  p.F_E[i] = Mat3::Identity() + 0.02 * random.mat3();
+  p.F_P[i] = Mat3::Identity() + 0.05 * random.mat3();
+  p.id[i] = static_cast<std::int64_t>(i);
+}
+
 namespace {
 
 constexpr double h = 0.05;

@@ -26,6 +26,10 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+/// Particle i but for its place: an eighth of a cell of snow, half as much to half as much again,
+/// up to 1 m/s along each axis, elastic and plastic deformations of a few per cent.
+void random_particle(Random& random, double h, Particles& particles, std::size_t i);
+
 struct Case {
   std::string name;
   Scene scene;

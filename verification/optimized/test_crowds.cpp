@@ -73,12 +73,7 @@ struct CrowdedSnow {
       while (std::gcd(stride, n) != 1) ++stride;
       const int c = cell_of[i * stride % n];
       p.x[i] = h * (Vec3(c / 16, c / 4 % 4, c % 4) + Vec3::Constant(0.5) + 0.499 * random.vec3());
-      p.v[i] = random.vec3();
-      p.m[i] = 400 * h * h * h / 8 * (1 + 0.5 * random());
-      p.V_0[i] = h * h * h / 8;
-      p.F_E[i] = Mat3::Identity() + 0.02 * random.mat3();
-      p.F_P[i] = Mat3::Identity() + 0.05 * random.mat3();
-      p.id[i] = static_cast<std::int64_t>(i);
+      cases::random_particle(random, h, p, i);
     }
   }
   Scene scene;

@@ -57,12 +57,7 @@ State random_snow(const Scene& scene, std::size_t n, double cells, std::uint64_t
   const double h = scene.grid.spacing;
   for (std::size_t i = 0; i < n; ++i) {
     p.x[i] = 0.5 * cells * h * random.vec3();
-    p.v[i] = random.vec3();
-    p.m[i] = 400 * h * h * h / 8 * (1 + 0.5 * random());
-    p.V_0[i] = h * h * h / 8;
-    p.F_E[i] = Mat3::Identity() + 0.02 * random.mat3();
-    p.F_P[i] = Mat3::Identity() + 0.05 * random.mat3();
-    p.id[i] = static_cast<std::int64_t>(i);
+    cases::random_particle(random, h, p, i);
   }
   return state;
 }
