@@ -15,9 +15,11 @@ namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
 /// A region of a tile of `rows` rows per stencil row added to a node block's sums, which are
-/// laid out [row][x][y][z][channel], so that planar() can take a row's channels apart.
-template <class T, int rows>
-void add_tile(const T* tile, const Region& region, T* sums) {
+/// laid out [row][x][y][z][channel], so that planar() can take a row's channels apart. The sums
+/// may be wider than the tile.
+template <class T, int rows, class Sum = T>
+void add_tile(const T* tile, const Region& region, Sum* sums) {
+  const Lanes<Sum> d;
   constexpr int R = tile_row_size<T>;
   constexpr int xy_row = row_size<T>;
   // Tile nodes 4 … 6 are followed by a 7th of zeros: the whole row may be added. Tile nodes
@@ -28,27 +30,28 @@ void add_tile(const T* tile, const Region& region, T* sums) {
     for (int y = 0; y < region.size[1]; ++y) {
       const T* from = tile + region.tile[2] * channels<T> +
                       ((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows * R;
-      T* to = sums + (4 * (x + region.node[0]) + y + region.node[1]) * xy_row +
-              region.node[2] * channels<T>;
+      Sum* to = sums + (4 * (x + region.node[0]) + y + region.node[1]) * xy_row +
+                region.node[2] * channels<T>;
       for (int r = 0; r < rows; ++r, from += R, to += 16 * xy_row) {
         if (HWY_LIKELY(whole_row)) {
-          store_row(load_row(to) + load_row(from), to);
+          for (int i = 0; i < xy_row; i += lane_count<Sum>)
+            hn::StoreU(hn::Add(hn::LoadU(d, to + i), load_wide<Sum>(from + i)), d, to + i);
         } else {
-          for (int i = 0; i < region.size[2] * channels<T>; ++i) to[i] += from[i];
+          for (int i = 0; i < region.size[2] * channels<T>; ++i) to[i] += static_cast<Sum>(from[i]);
         }
       }
     }
 }
 
 /// C planar arrays of 64 values from one row, channel fastest.
-template <class T>
+template <class T, int C = channels<T>>
 HWY_INLINE void separate(const T* row, T* const* to) {
   const Lanes<T> d;
   for (int i = 0; i < nodes_per_block; i += lane_count<T>) {
     Vec<T> a, b, c, e;
-    if constexpr (channels<T> == 1) {
+    if constexpr (C == 1) {
       hn::Store(hn::Load(d, row + i), d, to[0] + i);
-    } else if constexpr (channels<T> == 2) {
+    } else if constexpr (C == 2) {
       hn::LoadInterleaved2(d, row + 2 * i, a, b);
       hn::Store(a, d, to[0] + i);
       hn::Store(b, d, to[1] + i);

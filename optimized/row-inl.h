@@ -77,6 +77,17 @@ HWY_INLINE void store_row(const Row<T>& r, T* p) {
   for (int i = 0; i < row_vectors<T>; ++i) hn::StoreU(r.part[i], d, p + i * lane_count<T>);
 }
 
+/// A vector of type T from numbers that may be narrower.
+template <class T, class From>
+HWY_INLINE hn::Vec<Lanes<T>> load_wide(const From* p) {
+  const Lanes<T> d;
+  if constexpr (sizeof(From) == sizeof(T)) {
+    return hn::LoadU(d, p);
+  } else {
+    return hn::PromoteTo(d, hn::LoadU(hn::Rebind<From, Lanes<T>>(), p));
+  }
+}
+
 /// The same number in every lane.
 template <class T>
 HWY_INLINE Row<T> all(const T* p) {

@@ -27,23 +27,43 @@ namespace HWY_NAMESPACE {
 
 namespace kn = firn::kernels::HWY_NAMESPACE;
 
-/// Values of type S as lanes of type T.
+/// A vector of floats has as many lanes as two of doubles, which may lie in different chunks.
 template <class T, class S>
-HWY_INLINE Vec<T> load_as(const S* p) {
-  const Lanes<T> d;
-  if constexpr (std::is_same_v<T, S>) {
-    return hn::Load(d, p);
+inline constexpr bool over_two_chunks = lane_count<T> > chunk_lanes<S>;
+
+/// Rounds two vectors of doubles to one of floats.
+HWY_INLINE Vec<float> demote(const Vec<double>& low, const Vec<double>& high) {
+  const Lanes<float> d;
+  const hn::Half<Lanes<float>> half;
+  return hn::Combine(d, hn::DemoteTo(half, high), hn::DemoteTo(half, low));
+}
+
+/// Values of type S as lanes of type T. A value of the next chunk lies `chunk_size` further on.
+template <class T, class S>
+HWY_INLINE Vec<T> load_as(const S* p, int chunk_size) {
+  if constexpr (sizeof(T) >= sizeof(S)) {
+    return load_wide<T>(p);
   } else {
-    const hn::Rebind<S, Lanes<T>> narrow;
-    return hn::PromoteTo(d, hn::LoadU(narrow, p));
+    const Lanes<S> d;
+    const S* const next = p + (over_two_chunks<T, S> ? chunk_size : lane_count<S>);
+    return demote(hn::Load(d, p), hn::Load(d, next));
   }
 }
 
 /// axis_position() of positions stored in type S.
 template <class T, class S>
-HWY_INLINE AxisPosition<T> axis_position_as(const S* slot) {
+HWY_INLINE AxisPosition<T> axis_position_as(const S* slot, int chunk_size) {
   if constexpr (std::is_same_v<T, S>) {
     return axis_position<T>(slot);
+  } else if constexpr (sizeof(T) < sizeof(S)) {
+    const Lanes<S> d;
+    const S* const next = slot + (over_two_chunks<T, S> ? chunk_size : lane_count<S>);
+    const auto x = hn::Load(d, slot), y = hn::Load(d, next);
+    const auto low = hn::Floor(x), high = hn::Floor(y);
+    const auto t = hn::Sub(x, low), u = hn::Sub(y, high);
+    const auto one = hn::Set(d, 1.0);
+    return {hn::ConvertTo(IntLanes<T>(), demote(low, high)), demote(t, u),
+            demote(hn::Sub(one, t), hn::Sub(one, u))};
   } else {
     const Lanes<T> d;
     const IntLanes<T> di;
@@ -90,13 +110,16 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
   const S* const f = factors_of(block.factors, i);
   const int count = block.particles.count;
   const int n = count - i < L ? count - i : L;
-  if (i % chunk == 0) prefetch_particles(block, i + 2 * chunk);
+  constexpr int ahead = 2 * (L > chunk ? L : chunk);
+  if (i % chunk == 0)
+    for (int k = 0; k < L; k += chunk) prefetch_particles(block, i + ahead + k);
   T* to[L];
   for (int l = 0; l < L; ++l) to[l] = work.records + (i - first + l) * hessian_record_size;
 
-  const auto x = axis_position_as<T>(q + slot_x * chunk);
-  const auto y = axis_position_as<T>(q + (slot_x + 1) * chunk);
-  const auto z = axis_position_as<T>(q + (slot_x + 2) * chunk);
+  const int chunk_size = block.slots * chunk;
+  const auto x = axis_position_as<T>(q + slot_x * chunk, chunk_size);
+  const auto y = axis_position_as<T>(q + (slot_x + 1) * chunk, chunk_size);
+  const auto z = axis_position_as<T>(q + (slot_x + 2) * chunk, chunk_size);
   const auto wx = axis_weights<T>(x.t, x.o), wy = axis_weights<T>(y.t, y.o);
   T* const weights = weights_of(work, i - first);
   const auto put = [&](int which, const Vec<T>& value)
@@ -133,13 +156,14 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
       for (int c = 0; c < C && r * C + c < 3; ++c) gradient.m[3 * (r * C + c) + axis] = out[c];
     }
 
-  const auto slot = [&](int s) HWY_ATTR { return load_as<T>(f + s * chunk); };
+  const auto slot = [&](int s)
+                        HWY_ATTR { return load_as<T>(f + s * chunk, hessian_slots * chunk); };
   const auto symmetric = [&](int s) HWY_ATTR {
     return kn::Sym3<Vec<T>>{slot(s),     slot(s + 1), slot(s + 2),
                             slot(s + 3), slot(s + 4), slot(s + 5)};
   };
   const kn::HessianFactors<Vec<T>> factors = {symmetric(hessian_stretch), symmetric(hessian_K),
-                                              load_as<T>(q + slot_stiffness * chunk),
+                                              load_as<T>(q + slot_stiffness * chunk, chunk_size),
                                               slot(hessian_volume), slot(hessian_transposed)};
   const auto A = kn::hessian_action(factors, gradient);
   const auto zero = hn::Zero(d);

@@ -19,38 +19,38 @@ namespace HWY_NAMESPACE {
 
 namespace kn = firn::kernels::HWY_NAMESPACE;
 
-/// The first `count` channels of the sums, each as a planar array.
-template <class T, int rows>
-HWY_INLINE void separate_rows(const T* sums, int count, T* planar) {
-  alignas(64) T unused[nodes_per_block];
-  for (int r = 0; r < rows; ++r) {
-    T* to[channels<T>];
-    for (int c = 0; c < channels<T>; ++c) {
-      const int k = r * channels<T> + c;
-      to[c] = k < count ? planar + k * nodes_per_block : unused;
-    }
-    separate(sums + r * 16 * row_size<T>, to);
-  }
-}
-
-template <class T>
+/// Sums of C channels as a planar field.
+template <class T, int C>
 void planar_vector(const T* sums, T* field) {
-  separate_rows<T, force_rows<T>>(sums, 3, field);
+  alignas(64) T unused[nodes_per_block];
+  for (int component = 0; component < 3; component += C, sums += C * nodes_per_block) {
+    T* to[C];
+    for (int c = 0; c < C; ++c)
+      to[c] = component + c < 3 ? field + (component + c) * nodes_per_block : unused;
+    separate<T, C>(sums, to);
+  }
 }
 
 /// A planar field interleaved as blocks gather it: [x][y][row][z][channel]. Of two channels, the
 /// second row holds the third component twice.
-template <class T>
-void pack_vector(const T* field, T* gathered) {
+template <class T, class Field>
+void pack_vector(const Field* field, T* gathered) {
   constexpr int C = channels<T>;
-  const hn::CappedTag<T, 4> d;  // the nodes of a row; two vectors on 128-bit targets in double
-  constexpr int step = static_cast<int>(hn::MaxLanes(d));
+  // The nodes of a row; two vectors on 128-bit targets in double.
+  constexpr int step = lane_count<Field> < 4 ? lane_count<Field> : 4;
+  const hn::CappedTag<T, step> d;
+  const hn::CappedTag<Field, step> from;
   for (int i = 0; i < nodes_per_block; i += 4)
     for (int r = 0; r < force_rows<T>; ++r, gathered += row_size<T>)
       for (int z = 0; z < 4; z += step) {
         const auto channel = [&](int c) HWY_ATTR {
           c += r * C;
-          return hn::LoadU(d, field + (c < 3 ? c : 2) * nodes_per_block + i + z);
+          const auto v = hn::LoadU(from, field + (c < 3 ? c : 2) * nodes_per_block + i + z);
+          if constexpr (sizeof(T) < sizeof(Field)) {
+            return hn::DemoteTo(d, v);
+          } else {
+            return v;
+          }
         };
         T* const to = gathered + z * C;
         if constexpr (C == 1) {

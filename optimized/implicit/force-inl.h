@@ -158,6 +158,27 @@ HWY_INLINE void finish_planes(const T* moments, int x, bool any, T* tile) {
   }
 }
 
+/// The sum of a tile's nodes, in double. Nodes of one height are added up first, so that every
+/// instruction set adds in the same order.
+template <class T>
+void tile_total(const T* tile, double* total) {
+  constexpr int C = channels<T>, n = tile_row_size<T>, L = lane_count<double>;
+  const Lanes<double> d;
+  for (int r = 0; r < vector_rows<T>; ++r) {
+    Vec<double> sums[n / L];
+    for (auto& sum : sums) sum = hn::Zero(d);
+    for (int xy = 0; xy < tile_nodes * tile_nodes; ++xy)
+      for (int i = 0; i < n / L; ++i)
+        sums[i] = hn::Add(sums[i], load_wide<double>(tile + (xy * vector_rows<T> + r) * n + i * L));
+    alignas(64) double by_height[n];
+    for (int i = 0; i < n / L; ++i) hn::Store(sums[i], d, by_height + i * L);
+    for (int c = 0; c < C && r * C + c < 3; ++c) {
+      double& sum = total[r * C + c] = 0;
+      for (int z = 0; z < tile_nodes; ++z) sum += by_height[z * C + c];
+    }
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace firn::optimized
 HWY_AFTER_NAMESPACE();

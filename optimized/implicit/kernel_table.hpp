@@ -9,6 +9,8 @@ namespace firn::optimized {
 /// The operator, applied in type T to particles stored in type S.
 template <class T, class S>
 struct HessianKernels {
+  using Field = FieldType<T, S>;
+
   /// Values in a block's tile, in a node block's field as blocks gather it, and in its sums.
   int tile_size, gathered_size, sums_size;
 
@@ -20,11 +22,13 @@ struct HessianKernels {
   /// Σ_p (V_p0 A_p F_Eᵀ) ∂w_ip for the velocities around the block, onto its tile.
   void (*apply)(const HessianBlock<S>&, const HessianScratch<T>&, T* tile);
 
-  void (*add_tile)(const T* tile, const Region&, T* sums);
+  /// The sum of a tile's nodes.
+  void (*total)(const T* tile, double* total);
+  void (*add_tile)(const T* tile, const Region&, Field* sums);
   /// Sums to a planar field.
-  void (*planar)(const T* sums, T* field);
+  void (*planar)(const Field* sums, Field* field);
   /// A planar field in the order in which blocks gather it.
-  void (*pack)(const T* field, T* gathered);
+  void (*pack)(const Field* field, T* gathered);
 };
 
 /// Work on node fields, a node block at a time. Inner products are (a, b) = Σ m a·b; they
@@ -53,6 +57,7 @@ struct SetupKernels {
 };
 
 const HessianKernels<float, float>& hessian_float();
+const HessianKernels<float, double>& hessian_float_of_double();
 const HessianKernels<double, float>& hessian_double_of_float();
 const HessianKernels<double, double>& hessian_double();
 const FieldKernels<float>& field_kernels_float();
@@ -62,8 +67,10 @@ const SetupKernels<double>& setup_kernels_double();
 
 template <class T, class S>
 const HessianKernels<T, S>& hessian_kernels() {
-  if constexpr (sizeof(T) == 4)
+  if constexpr (sizeof(T) == 4 && sizeof(S) == 4)
     return hessian_float();
+  else if constexpr (sizeof(T) == 4)
+    return hessian_float_of_double();
   else if constexpr (sizeof(S) == 4)
     return hessian_double_of_float();
   else

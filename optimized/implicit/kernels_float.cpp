@@ -17,6 +17,11 @@ const HessianKernels<float, float>* hessian_float_table() {
   return &kernels;
 }
 
+const HessianKernels<float, double>* hessian_float_of_double_table() {
+  static const HessianKernels<float, double> kernels = make_hessian_kernels<float, double>();
+  return &kernels;
+}
+
 const FieldKernels<float>* field_float_table() {
   static const FieldKernels<float> kernels = make_field_kernels<float>();
   return &kernels;
@@ -37,6 +42,7 @@ namespace firn::optimized {
 HWY_EXPORT(hessian_float_table);
 HWY_EXPORT(field_float_table);
 HWY_EXPORT(setup_float_table);
+HWY_EXPORT(hessian_float_of_double_table);
 
 const HessianKernels<float, float>& hessian_float() {
   return *HWY_DYNAMIC_DISPATCH(hessian_float_table)();
@@ -46,6 +52,10 @@ const FieldKernels<float>& field_kernels_float() {
 }
 const SetupKernels<float>& setup_kernels_float() {
   return *HWY_DYNAMIC_DISPATCH(setup_float_table)();
+}
+
+const HessianKernels<float, double>& hessian_float_of_double() {
+  return *HWY_DYNAMIC_DISPATCH(hessian_float_of_double_table)();
 }
 
 }  // namespace firn::optimized

@@ -2,11 +2,18 @@
 /// Memory of the semi-implicit solve, shared by its drivers and its kernels.
 ///
 /// S is the type in which the solver stores its particles, T the type in which an
-/// operator is applied: T = S in the iteration, T = double where residuals are found.
+/// operator is applied: float in the iteration, double where residuals are found. Its forces are
+/// added up, and everything else of the solve is done, in the wider of both.
+
+#include <type_traits>
 
 #include "optimized/layout.hpp"
 
 namespace firn::optimized {
+
+/// The type of the fields that an operator in T acts upon.
+template <class T, class S>
+using FieldType = std::conditional_t<(sizeof(T) < sizeof(S)), S, T>;
 
 /// What the Hessian's action needs of a particle beside its position and slot_stiffness,
 /// 2μ V_p0, which are read where they lie. In chunks, as in ParticleStore.

@@ -1,5 +1,5 @@
-/// The solve itself: MINRES in the solver's own precision inside an iterative refinement
-/// whose residuals are found in double.
+/// The solve itself: MINRES with the operator in float inside an iterative refinement whose
+/// residuals are found in double.
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,17 @@ namespace firn::optimized {
 
 namespace {
 
-/// By how much one round of float iterations reduces the residual before it is found
-/// anew; a round in double goes all the way.
-template <class S>
-constexpr double reduction_per_round = sizeof(S) == 4 ? 1e-2 : 0.0;
+/// By how much a round with the operator in float may reduce the residual before it is found
+/// anew; what is asked is divided evenly among as many rounds as that takes.
+double reduction_of_round(double asked) {
+  constexpr double most = 1e-5;
+  // A little more than that, lest roundoff make another round necessary.
+  const double rest = std::max(0.95 * asked, std::numeric_limits<double>::min());
+  return std::pow(rest, 1 / std::ceil(std::log(rest) / std::log(most)));
+}
+
+/// A round may reduce the residual by so much less than its recurrence says.
+constexpr double shortfall_allowed = 10;
 
 }  // namespace
 
@@ -67,13 +74,14 @@ double ImplicitSystem<S>::residual(double unit) {
 /// self-adjoint; nothing is asked of its definiteness. The reference's minres.cpp has the
 /// derivation; here the Lanczos vectors z stay unnormalised, and β is divided out later.
 template <class S>
+template <class T>
 void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_iterations,
                                SolveReport& report) {
   sum_over_nodes([&](std::size_t n, Sums&) {
     for (S* const zero : {z_last_, w_last_, w_, d_}) std::fill_n(block(zero, n), field_size, S(0));
     S* const r = block(z_, n);
     for (int i = 0; i < field_size; ++i) r[i] = static_cast<S>(scale * static_cast<double>(r[i]));
-    hessian_.pack(r, gathered<S>(n));
+    hessian<T>().pack(r, gathered<T>(n));
     return 0.0;
   });
   S *z = z_, *z_last = z_last_, *w = w_, *w_last = w_last_;
@@ -83,17 +91,17 @@ void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_ite
   double pivot = 1;  // of the tridiagonal matrix: all positive if it is positive definite
   for (std::int64_t k = 0; k < max_iterations && std::abs(residual) > target; ++k) {
     ++report.iterations;
-    apply<S>();
+    apply<T>();
     const double ratio = k == 0 ? 0 : beta / beta_last;
     const double alpha = sum_over_nodes([&](std::size_t n, Sums& sums) {
-      return fields_.multiply(block(z, n), applied<S>(n, sums), motion_[n].m, factor_, 1 / beta,
+      return fields_.multiply(block(z, n), applied<T>(n, sums), motion_[n].m, factor_, 1 / beta,
                               ratio, block(z_last, n));
     });
     const double beta_next = std::sqrt(sum_over_nodes([&](std::size_t n, Sums&) {
       S* const next = block(z_last, n);
       const double square =
           fields_.subtract(alpha / beta, block(z, n), projector(n), motion_[n].m, next);
-      hessian_.pack(next, gathered<S>(n));
+      hessian<T>().pack(next, gathered<T>(n));
       return square;
     }));
     const double off_diagonal = k == 0 ? 0 : beta;
@@ -144,7 +152,11 @@ SolveReport ImplicitSystem<S>::solve(double tolerance, std::int64_t max_iteratio
   const double unit = v_star_norm > 0 ? v_star_norm / std::sqrt(mass) : 1;
 
   SolveReport report;
-  double last_size = std::numeric_limits<double>::infinity();
+  double last_size = std::numeric_limits<double>::infinity(), promised = last_size;
+  bool in_float = true;
+  constexpr bool may_widen = sizeof(S) > sizeof(float);
+  const std::int64_t most_in_float =
+      may_widen ? max_iterations - max_iterations / 2 : max_iterations;
   while (true) {
     const double size = std::sqrt(residual(unit));
     report.residual = size > 0 ? size / v_star_norm : 0;
@@ -153,13 +165,24 @@ SolveReport ImplicitSystem<S>::solve(double tolerance, std::int64_t max_iteratio
       return report;
     }
     if (size <= tolerance * v_star_norm) break;
-    if (!(size < last_size)) report.status = SolveReport::Status::stagnates;
+    if (may_widen && in_float &&
+        (report.indefinite || size > shortfall_allowed * promised ||
+         report.iterations >= most_in_float))
+      in_float = false;  // roundoff costs more iterations than a float saves
+    else if (!(size < last_size))
+      report.status = SolveReport::Status::stagnates;
     if (report.iterations >= max_iterations) report.status = SolveReport::Status::out_of_iterations;
     if (report.status != SolveReport::Status::converged) return report;
     last_size = size;
 
-    minres(unit / size, std::max(tolerance * v_star_norm / size, reduction_per_round<S>),
-           max_iterations - report.iterations, report);
+    double target = tolerance * v_star_norm / size;
+    if (in_float) {
+      target = reduction_of_round(target);
+      minres<float>(unit / size, target, most_in_float - report.iterations, report);
+    } else {
+      minres<S>(unit / size, target, max_iterations - report.iterations, report);
+    }
+    promised = target * size;
     sum_over_nodes([&](std::size_t n, Sums&) {
       for (std::size_t i = n * field_size; i < (n + 1) * field_size; ++i)
         v_[i] += size * static_cast<double>(d_[i]);

@@ -7,6 +7,21 @@
 
 namespace firn::optimized {
 
+namespace {
+
+/// Where a node block has a tile's node; −1 if it does not.
+int node_of(const Region& region, const std::array<int, 3>& tile_node) {
+  int node = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int k = tile_node[axis] - region.tile[axis];
+    if (k < 0 || k >= region.size[axis]) return -1;
+    node = 4 * node + region.node[axis] + k;
+  }
+  return node;
+}
+
+}  // namespace
+
 template <class S>
 void ImplicitSystem<S>::release(std::size_t node_blocks) {
   motion_.require(node_blocks, node_blocks / 8);
@@ -76,7 +91,7 @@ void ImplicitSystem<S>::assemble(ParticleStore<S>& particles, NodeStore<S>& node
   const auto fits = [&](int gathered_size, std::size_t number) {
     return static_cast<std::size_t>(gathered_size) * number <= nodes.gathered_bytes();
   };
-  if (!fits(hessian_.gathered_size, sizeof(S)) ||
+  if (!fits(hessian_in_float_.gathered_size, sizeof(float)) ||
       !fits(hessian_in_double_.gathered_size, sizeof(double)))
     throw std::logic_error("a vector field does not fit into the gathered fields' memory");
   partial_.require(nodes.size(), nodes.size() / 8);
@@ -96,7 +111,7 @@ void ImplicitSystem<S>::lay_out_vectors() {
     return (active * static_cast<std::size_t>(tile_size) * number + cache_line - 1) / cache_line *
            cache_line;
   };
-  const std::size_t in_S = tiles(hessian_.tile_size, sizeof(S));
+  const std::size_t in_S = tiles(hessian<S>().tile_size, sizeof(S));
   const std::size_t in_double = tiles(hessian_in_double_.tile_size, sizeof(double));
   const std::size_t front = n * (sizeof(double) + sizeof(S));
   std::byte* const memory =
@@ -111,8 +126,9 @@ void ImplicitSystem<S>::lay_out_vectors() {
 template <class S>
 void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
   const std::vector<int>& active = particles_->active();
-  constexpr std::size_t lanes = chunk_lanes<S>;
+  constexpr std::size_t lanes = chunk_lanes<float>;  // of the longest vector
   first_.resize(active.size() + 1);
+  if constexpr (sizeof(S) > sizeof(float)) defects_.resize(active.size());
   first_[0] = 0;
   for (std::size_t a = 0; a < active.size(); ++a) {
     const auto count = static_cast<std::size_t>(particles_->block(active[a]).count);
@@ -132,7 +148,22 @@ void ImplicitSystem<S>::factor_particles(const StepConstants<S>& step) {
     particles_->sort(block, memory.sorting);
     setup_.factors(particles_->view(block), step, memory.cells.data(),
                    begin_.data() + a * (nodes_per_block + 1), factors_.data() + first_[a]);
+    if constexpr (sizeof(S) > sizeof(float)) defects_[a].anchor = anchor(block);
   }
+}
+
+template <class S>
+std::array<int, 3> ImplicitSystem<S>::anchor(const Block<S>& block) const {
+  int heaviest = 0;
+  for (int i = 1; i < block.count; ++i)
+    if (particles_->value(block, i, slot_m) > particles_->value(block, heaviest, slot_m))
+      heaviest = i;
+  std::array<int, 3> node;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double x = particles_->value(block, heaviest, slot_x + axis);
+    node[static_cast<std::size_t>(axis)] = 1 + static_cast<int>(x + 0.5);
+  }
+  return node;
 }
 
 /// Each thread's workspace of the explicit step serves the operator, in double as in S. The
@@ -198,22 +229,36 @@ void ImplicitSystem<S>::apply() {
     }
     kernels.difference(work);
     kernels.apply(particles_of(a), work, tile<T>(a));
+    if constexpr (sizeof(T) < sizeof(S)) kernels.total(tile<T>(a), defects_[a].total);
   }
 }
 
+/// Inner forces add up to 0, and so does momentum stay what it is, exactly, if it does to the
+/// roundoff of the fields. In a narrower type it does not: what a tile's forces lack is given to
+/// one of its nodes, which belongs to the same body as all the particles of the block.
 template <class S>
 template <class T>
-const T* ImplicitSystem<S>::applied(std::size_t n, Sums& thread) const {
+const FieldType<T, S>* ImplicitSystem<S>::applied(std::size_t n, Sums& thread) const {
+  using Field = FieldType<T, S>;
   const HessianKernels<T, S>& kernels = hessian<T>();
-  T* const sums = reinterpret_cast<T*>(thread.interleaved);
-  T* const planar = reinterpret_cast<T*>(thread.planar);
-  std::fill_n(sums, kernels.sums_size, T(0));
+  Field* const sums = reinterpret_cast<Field*>(thread.interleaved);
+  Field* const planar = reinterpret_cast<Field*>(thread.planar);
+  std::fill_n(sums, kernels.sums_size, Field(0));
   const NodeBlock& block = nodes_->block(n);
   const Share* share = nodes_->shares(block);
   for (int k = 0; k < block.share_count; ++k)
     kernels.add_tile(tile<T>(static_cast<std::size_t>(share[k].tile_number)), share[k].region,
                      sums);
   kernels.planar(sums, planar);
+  if constexpr (sizeof(T) < sizeof(S)) {
+    for (int k = 0; k < block.share_count; ++k) {
+      const Defect& defect = defects_[static_cast<std::size_t>(share[k].tile_number)];
+      const int node = node_of(share[k].region, defect.anchor);
+      if (node < 0) continue;
+      for (int axis = 0; axis < 3; ++axis)
+        planar[axis * nodes_per_block + node] -= defect.total[axis];
+    }
+  }
   return planar;
 }
 
@@ -223,16 +268,19 @@ std::size_t ImplicitSystem<S>::bytes() const {
       matrix_size * (sizeof(S) == sizeof(double) ? sizeof(S) : sizeof(S) + sizeof(double));
   return factors_.bytes() + first_.capacity() * sizeof(first_[0]) + begin_.bytes() +
          motion_.bytes() + held_.bytes() + projectors_.size() * projector +
-         sums_.size() * sizeof(Sums) + partial_.bytes() + v_star_.bytes();
+         defects_.capacity() * sizeof(Defect) + sums_.size() * sizeof(Sums) + partial_.bytes() +
+         v_star_.bytes();
 }
 
 template class ImplicitSystem<float>;
 template class ImplicitSystem<double>;
 template void ImplicitSystem<float>::apply<float>();
 template void ImplicitSystem<float>::apply<double>();
+template void ImplicitSystem<double>::apply<float>();
 template void ImplicitSystem<double>::apply<double>();
 template const float* ImplicitSystem<float>::applied<float>(std::size_t, Sums&) const;
 template const double* ImplicitSystem<float>::applied<double>(std::size_t, Sums&) const;
+template const double* ImplicitSystem<double>::applied<float>(std::size_t, Sums&) const;
 template const double* ImplicitSystem<double>::applied<double>(std::size_t, Sums&) const;
 
 }  // namespace firn::optimized

@@ -7,8 +7,8 @@
 /// Memory: the factors, and m, vⁿ and v* of every node. The vectors of the solve lie in the
 /// memory of the explicit step's tiles, of which the operator takes the smaller half.
 
+#include <array>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "optimized/implicit/kernel_table.hpp"
@@ -91,8 +91,8 @@ class ImplicitSystem {
   // The operator in type T, on what was packed.
   template <class T>
   const HessianKernels<T, S>& hessian() const {
-    if constexpr (std::is_same_v<T, S>)
-      return hessian_;
+    if constexpr (sizeof(T) == sizeof(float))
+      return hessian_in_float_;
     else
       return hessian_in_double_;
   }
@@ -112,19 +112,23 @@ class ImplicitSystem {
   void apply();
   /// The tiles' sum at node block n: h² times H of what was packed, planar.
   template <class T>
-  const T* applied(std::size_t n, Sums& sums) const;
+  const FieldType<T, S>* applied(std::size_t n, Sums& sums) const;
+  /// The node of a block's tile that its heaviest particle is nearest to, for positions in double.
+  std::array<int, 3> anchor(const Block<S>& block) const;
 
   /// Σ over node blocks of f(n, sums of this thread), added in their order.
   template <class F>
   double sum_over_nodes(const F& f);
 
   double residual(double unit);
-  // MINRES in S for B d = r: z_ times `scale` is the residual divided by its norm.
+  // MINRES for B d = r with the operator in T: z_ times `scale` is the residual divided by its
+  // norm.
+  template <class T>
   void minres(double scale, double target, std::int64_t max_iterations, SolveReport& report);
 
   // Of the instruction set that was chosen when the solver was made: the layout of tiles and
   // gathered fields depends on it.
-  const HessianKernels<S, S>& hessian_ = hessian_kernels<S, S>();
+  const HessianKernels<float, S>& hessian_in_float_ = hessian_kernels<float, S>();
   const HessianKernels<double, S>& hessian_in_double_ = hessian_kernels<double, S>();
   const FieldKernels<S>& fields_ = field_kernels<S>();
   const FieldKernels<double>& fields_in_double_ = field_kernels<double>();
@@ -141,6 +145,12 @@ class ImplicitSystem {
   AlignedArray<S> factors_;           ///< chunks, block after block
   std::vector<std::size_t> first_;    ///< where each active block's chunks begin
   AlignedArray<std::int32_t> begin_;  ///< 65 numbers for each active block
+  /// Of each active block, for forces in a type narrower than the fields'; see applied().
+  struct Defect {
+    std::array<int, 3> anchor;
+    double total[3];
+  };
+  std::vector<Defect> defects_;
   AlignedArray<NodeMotion<S>> motion_;
 
   /// Projectors of node blocks with a node that is not free: [6][64] in double, then, if S is

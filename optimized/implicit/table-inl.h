@@ -17,6 +17,7 @@ namespace HWY_NAMESPACE {
 
 template <class T, class S>
 HessianKernels<T, S> make_hessian_kernels() {
+  using Field = FieldType<T, S>;
   return {tile_nodes * vector_plane<T>,
           16 * vector_rows<T> * row_size<T>,
           16 * vector_rows<T> * row_size<T>,
@@ -24,9 +25,10 @@ HessianKernels<T, S> make_hessian_kernels() {
           &load_region<T, vector_rows<T>>,
           &vector_difference<T>,
           &apply_hessian<T, S>,
-          &add_tile<T, vector_rows<T>>,
-          &planar_vector<T>,
-          &pack_vector<T>};
+          &tile_total<T>,
+          &add_tile<T, vector_rows<T>, Field>,
+          &planar_vector<Field, channels<T>>,
+          &pack_vector<T, Field>};
 }
 
 template <class T>

@@ -269,6 +269,7 @@ TEST(SemiImplicit, energy_at_large_steps) {
   Scene scene = implicit_scene(1);
   scene.materials[0] = elastic_material();
   scene.integrator.tolerance = in_float() ? 1e-4 : 1e-8;
+  scene.integrator.max_iterations = 2000;
   State state;
   const int edge = effort(8, 4);
   std::vector<Vec3> x;
