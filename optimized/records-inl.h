@@ -34,44 +34,46 @@ enum Record : int {
   record_r = 25,  // offset in z
 };
 
-/// 16-byte block i of v goes to to[i].
-template <class D, class V, class T>
-HWY_INLINE void store_blocks(D d, const V& v, T* const* to, int step) {
-  if constexpr (hn::MaxLanes(D()) * sizeof(T) == 16) {
-    hn::StoreU(v, d, to[0]);
+/// 16-byte block i of v goes to to(i · step) + offset.
+template <class D, class V, class To>
+HWY_INLINE void store_blocks(D d, const V& v, const To& to, int step, int offset) {
+  constexpr int bytes = static_cast<int>(hn::MaxLanes(D()) * sizeof(hn::TFromD<D>));
+  if constexpr (bytes == 16) {
+    hn::StoreU(v, d, to(0) + offset);
     (void)step;
   } else {
     const hn::Half<D> half;
-    constexpr int blocks = static_cast<int>(hn::MaxLanes(D()) * sizeof(T)) / 32;
-    store_blocks(half, hn::LowerHalf(half, v), to, step);
-    store_blocks(half, hn::UpperHalf(half, v), to + blocks * step, step);
+    const auto upper = [&](int i) HWY_ATTR { return to(bytes / 32 * step + i); };
+    store_blocks(half, hn::LowerHalf(half, v), to, step, offset);
+    store_blocks(half, hn::UpperHalf(half, v), upper, step, offset);
   }
 }
 
-/// Four quantities of every lane, transposed: lane l's go to to[l][0 … 3].
-template <class T>
+/// Four quantities of every lane, transposed: lane l's go to to(l)[offset … offset + 3].
+template <class T, class To>
 HWY_INLINE void store_quads(const Vec<T>& a, const Vec<T>& b, const Vec<T>& c, const Vec<T>& e,
-                            T* const* to, int offset) {
+                            const To& to, int offset) {
   const Lanes<T> d;
   constexpr int per_block = 16 / static_cast<int>(sizeof(T));
-  T* at[lane_count<T>];
-  for (int l = 0; l < lane_count<T>; ++l) at[l] = to[l] + offset;
+  const auto put = [&](int lane, const auto& v, int place) HWY_ATTR {
+    const auto from_lane = [&](int i) HWY_ATTR { return to(lane + i); };
+    store_blocks(d, v, from_lane, per_block, offset + place);
+  };
   if constexpr (sizeof(T) == 4) {
     const Lanes<double> pairs;
     const auto ab0 = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
     const auto ab1 = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
     const auto ce0 = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
     const auto ce1 = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
-    store_blocks(d, hn::BitCast(d, hn::InterleaveLower(pairs, ab0, ce0)), at, per_block);
-    store_blocks(d, hn::BitCast(d, hn::InterleaveUpper(pairs, ab0, ce0)), at + 1, per_block);
-    store_blocks(d, hn::BitCast(d, hn::InterleaveLower(pairs, ab1, ce1)), at + 2, per_block);
-    store_blocks(d, hn::BitCast(d, hn::InterleaveUpper(pairs, ab1, ce1)), at + 3, per_block);
+    put(0, hn::BitCast(d, hn::InterleaveLower(pairs, ab0, ce0)), 0);
+    put(1, hn::BitCast(d, hn::InterleaveUpper(pairs, ab0, ce0)), 0);
+    put(2, hn::BitCast(d, hn::InterleaveLower(pairs, ab1, ce1)), 0);
+    put(3, hn::BitCast(d, hn::InterleaveUpper(pairs, ab1, ce1)), 0);
   } else {
-    store_blocks(d, hn::InterleaveLower(d, a, b), at, per_block);
-    store_blocks(d, hn::InterleaveUpper(d, a, b), at + 1, per_block);
-    for (T*& p : at) p += 2;
-    store_blocks(d, hn::InterleaveLower(d, c, e), at, per_block);
-    store_blocks(d, hn::InterleaveUpper(d, c, e), at + 1, per_block);
+    put(0, hn::InterleaveLower(d, a, b), 0);
+    put(1, hn::InterleaveUpper(d, a, b), 0);
+    put(0, hn::InterleaveLower(d, c, e), 2);
+    put(1, hn::InterleaveUpper(d, c, e), 2);
   }
 }
 
@@ -135,8 +137,9 @@ HWY_INLINE bool write_records(const BlockView<T>& block, int slots, const std::u
   for (int c = 0; c <= nodes_per_block; ++c) next[c] = begin[c];
   for (int i = 0; i < block.count; i += n) {
     const T* q = vector_of(block, slots, i);
-    T* to[n];
-    for (int l = 0; l < n; ++l) to[l] = records + next[cells[i + l]]++ * record_size;
+    T* record[n];
+    for (int l = 0; l < n; ++l) record[l] = records + next[cells[i + l]]++ * record_size;
+    const auto to = [&](int l) HWY_ATTR { return record[l]; };
     const auto slot = [&](int s) HWY_ATTR { return hn::Load(d, q + s * chunk); };
     const auto x = axis_position<T>(q + slot_x * chunk);
     const auto y = axis_position<T>(q + (slot_x + 1) * chunk);

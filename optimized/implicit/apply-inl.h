@@ -113,8 +113,8 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
   constexpr int ahead = 2 * (L > chunk ? L : chunk);
   if (i % chunk == 0)
     for (int k = 0; k < L; k += chunk) prefetch_particles(block, i + ahead + k);
-  T* to[L];
-  for (int l = 0; l < L; ++l) to[l] = work.records + (i - first + l) * hessian_record_size;
+  T* const records = work.records + (i - first) * hessian_record_size;
+  const auto to = [&](int l) HWY_ATTR { return records + l * hessian_record_size; };
 
   const int chunk_size = block.slots * chunk;
   const auto x = axis_position_as<T>(q + slot_x * chunk, chunk_size);
@@ -172,6 +172,13 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
   store_quads<T>(A(0, 2), A(1, 2), A(2, 2), zero, to, hessian_record_z);
 }
 
+template <class T>
+HWY_INLINE void copy_vectors(int count, const T* from, T* to) {
+  const Lanes<T> d;
+  for (int k = 0; k < count * lane_count<T>; k += lane_count<T>)
+    hn::Store(hn::Load(d, from + k), d, to + k);
+}
+
 template <class T, class S>
 void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, T* tile) {
   const ZKernel<T> kernel;
@@ -183,10 +190,9 @@ void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, 
     // The slab before is over; its last vector may have held some of this one.
     const int start = begin[0] / L * L;
     if (start < done && start > first) {
-      const T* weights = weights_of(work, start - first);
-      const T* records = work.records + (start - first) * hessian_record_size;
-      for (int k = 0; k < hessian_weights * L; ++k) work.weights[k] = weights[k];
-      for (int k = 0; k < hessian_record_size * L; ++k) work.records[k] = records[k];
+      copy_vectors(hessian_weights, weights_of(work, start - first), work.weights);
+      copy_vectors(hessian_record_size, work.records + (start - first) * hessian_record_size,
+                   work.records);
     }
     first = start;
     for (; done < begin[16]; done += L) act<T>(kernel, block, done, first, work);
