@@ -114,11 +114,38 @@ HWY_INLINE Row<T> all_channels(const T* p) {
   }
 }
 
+/// p[z] at node z, in each of the C channels.
+template <class T>
+HWY_INLINE Row<T> each_node(const T* p) {
+  constexpr int C = channels<T>;
+  if constexpr (C == 1) {
+    return load_row(p);
+  } else {
+    const Lanes<T> d;
+    alignas(64) Integer<T> node[row_size<T>];
+    for (int i = 0; i < row_size<T>; ++i) node[i] = i / C;
+    const auto nodes = hn::SetTableIndices(d, node);
+    if constexpr (sizeof(T) == 4) {
+      return Row<T>{{hn::TableLookupLanes(hn::LoadDup128(d, p), nodes)}};
+    } else {
+      const hn::Half<Lanes<T>> half;
+      return Row<T>{{hn::TableLookupLanes(hn::ZeroExtendVector(d, hn::LoadU(half, p)), nodes)}};
+    }
+  }
+}
+
 /// Where a row has two channels: what was in the other one.
 template <class T>
 HWY_INLINE Row<T> other_channel(const Row<T>& r) {
   static_assert(channels<T> == 2);
   return Row<T>{{hn::Reverse2(Lanes<T>(), r.part[0])}};
+}
+
+/// Where a row has two channels: the first of a beside the second of b.
+template <class T>
+HWY_INLINE Row<T> one_per_channel(const Row<T>& a, const Row<T>& b) {
+  static_assert(channels<T> == 2);
+  return Row<T>{{hn::OddEven(b.part[0], a.part[0])}};
 }
 
 template <class T>

@@ -100,8 +100,7 @@ HWY_INLINE void prefetch_particles(const HessianBlock<S>& block, int i) {
 /// Weights and records, V_p0 A F_Eᵀ, of a vector of particles from number i on. The slab's first
 /// place is that of particle `first`.
 template <class T, class S>
-HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int i, int first,
-                    const HessianScratch<T>& work) {
+HWY_INLINE void act(const HessianBlock<S>& block, int i, int first, const HessianScratch<T>& work) {
   constexpr int L = lane_count<T>, C = channels<T>, chunk = chunk_lanes<S>;
   constexpr int stride = L * row_size<T>;
   const Lanes<T> d;
@@ -121,12 +120,15 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
   const auto y = axis_position_as<T>(q + (slot_x + 1) * chunk, chunk_size);
   const auto z = axis_position_as<T>(q + (slot_x + 2) * chunk, chunk_size);
   const auto wx = axis_weights<T>(x.t, x.o), wy = axis_weights<T>(y.t, y.o);
+  const auto wz = axis_weights<T>(z.t, z.o);
   T* const weights = weights_of(work, i - first);
   const auto put = [&](int which, const Vec<T>& value)
                        HWY_ATTR { hn::Store(value, d, weights + which * L); };
   for (int j = 0; j < 4; ++j) put(weight_y + j, wy.w[j]), put(derivative_y + j, wy.d[j]);
   put(weight_t, x.t), put(weight_x0, wx.w[0]), put(weight_x3, wx.w[3]);
-  put(derivative_x0, wx.d[0]), put(derivative_x3, wx.d[3]), put(weight_r, z.t);
+  put(derivative_x0, wx.d[0]), put(derivative_x3, wx.d[3]);
+  store_quads<T>(wz.w[0], wz.w[1], wz.w[2], wz.w[3], to, hessian_record_w_z);
+  store_quads<T>(wz.d[0], wz.d[1], wz.d[2], wz.d[3], to, hessian_record_d_z);
   alignas(64) Integer<T> place[L];  // 4 (7x + y) + z; 7x = 8x − x
   const auto xy = hn::Add(hn::Sub(hn::ShiftLeft<3>(x.cell), x.cell), y.cell);
   hn::Store(hn::Add(hn::ShiftLeft<2>(xy), z.cell), di, place);
@@ -137,10 +139,10 @@ HWY_INLINE void act(const ZKernel<T>& kernel, const HessianBlock<S>& block, int 
     const T* from = work.coefficients + (at >> 2) * (3 * vector_row<T>)+(at & 3) * C;
     T* out = rows + l * row_size<T>;
     if (in_pairs<T> && l + 1 < n && place[l + 1] == place[l]) {
-      gather_pair(kernel, weights + l, from, out, stride);
+      gather_pair(weights + l, to(l), from, out, stride);
       l += 2;
     } else {
-      gather_particle(kernel, weights + l, from, out, stride);
+      gather_particle(weights + l, to(l), from, out, stride);
       l += 1;
     }
   }
@@ -181,7 +183,6 @@ HWY_INLINE void copy_vectors(int count, const T* from, T* to) {
 
 template <class T, class S>
 void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, T* tile) {
-  const ZKernel<T> kernel;
   const Lanes<T> d;
   constexpr int slab = tile_nodes * 4 * vector_row<T>, L = lane_count<T>;
   int first = 0, done = 0;  // particles first … done − 1 have their places, whole vectors of them
@@ -195,12 +196,12 @@ void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, 
                    work.records);
     }
     first = start;
-    for (; done < begin[16]; done += L) act<T>(kernel, block, done, first, work);
+    for (; done < begin[16]; done += L) act<T>(block, done, first, work);
     const bool any = begin[16] > begin[0];
     if (any) {
       for (int i = 0; i < slab; i += lane_count<T>) hn::Store(hn::Zero(d), d, work.moments + i);
       for (int c = 0; c < 16; ++c)
-        scatter_cell(kernel, work, begin[c] - first, begin[c + 1] - begin[c],
+        scatter_cell(work, begin[c] - first, begin[c + 1] - begin[c],
                      work.moments + c / 4 * 4 * vector_row<T> + c % 4 * channels<T>);
     }
     finish_planes(work.moments, x, any, tile);

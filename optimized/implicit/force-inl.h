@@ -14,13 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
-/// Places in a particle's record. τ' = V_p0 A F_Eᵀ is not symmetric: three whole columns.
-enum HessianRecord : int {
-  hessian_record_x = 0,  // τ'00 τ'10 τ'20 –
-  hessian_record_y = 4,
-  hessian_record_z = 8,
-};
-
 /// The z-rows of one particle's τ'.
 template <class T>
 struct HessianRows {
@@ -48,13 +41,13 @@ struct VectorSums {
 
 /// The z-rows of the particle in place i.
 template <class T>
-HWY_INLINE HessianRows<T> rows_of(const ZKernel<T>& kernel, const HessianScratch<T>& work, int i) {
+HWY_INLINE HessianRows<T> rows_of(const HessianScratch<T>& work, int i) {
   constexpr int C = channels<T>;
   const T* const record = work.records + i * hessian_record_size;
   HessianRows<T> rows;
   rows.weights = weights_of(work, i);
-  Row<T> w, dw;
-  kernel.weights(rows.weights + weight_r * lane_count<T>, w, dw);
+  const Row<T> w = each_node(record + hessian_record_w_z);
+  const Row<T> dw = each_node(record + hessian_record_d_z);
   for (int r = 0; r < vector_rows<T>; ++r) {
     rows.x[r] = w * all_channels(record + hessian_record_x + r * C);
     rows.y[r] = w * all_channels(record + hessian_record_y + r * C);
@@ -102,10 +95,9 @@ HWY_INLINE void accumulate_rows(const Rows& rows, int n, int j, T* sums) {
 /// `count` particles of one cell, from place i on, onto the slab's sums
 /// [y][n0, s0, s1, n3][row][z][channel].
 template <class T>
-HWY_INLINE void scatter_cell(const ZKernel<T>& kernel, const HessianScratch<T>& work, int i,
-                             int count, T* moments) {
+HWY_INLINE void scatter_cell(const HessianScratch<T>& work, int i, int count, T* moments) {
   if constexpr (vector_rows<T> == 1) {  // 32 registers keep all 16 sums
-    accumulate_rows<0, 1, 4>([&](int p) HWY_ATTR { return rows_of(kernel, work, i + p); }, count, 0,
+    accumulate_rows<0, 1, 4>([&](int p) HWY_ATTR { return rows_of(work, i + p); }, count, 0,
                              moments);
     return;
   }
@@ -115,7 +107,7 @@ HWY_INLINE void scatter_cell(const ZKernel<T>& kernel, const HessianScratch<T>& 
   const auto rows = [&](int p) HWY_ATTR -> const HessianRows<T>& { return prepared[p]; };
   for (; count > 0; count -= batch, i += batch) {
     const int n = count < batch ? count : batch;
-    for (int k = 0; k < n; ++k) prepared[k] = rows_of(kernel, work, i + k);
+    for (int k = 0; k < n; ++k) prepared[k] = rows_of(work, i + k);
     if constexpr (vector_rows<T> == 2 && HWY_MAX_BYTES == 64) {
       accumulate_rows<0, 2, 2>(rows, n, 0, moments);
       accumulate_rows<0, 2, 2>(rows, n, 2, moments + 2 * y_stride);

@@ -33,10 +33,18 @@ enum HessianWeight : int {
   weight_x0 = 9,
   weight_x3 = 10,
   derivative_x0 = 11,
-  derivative_x3 = 12,
-  weight_r = 13  ///< offset in z
+  derivative_x3 = 12
 };
-static_assert(hessian_weights == 14);
+static_assert(hessian_weights == 13);
+
+/// Places in a particle's record. τ' = V_p0 A F_Eᵀ is not symmetric: three whole columns.
+enum HessianRecord : int {
+  hessian_record_x = 0,  // τ'00 τ'10 τ'20 –
+  hessian_record_y = 4,
+  hessian_record_z = 8,
+  hessian_record_w_z = 12,  // 4 weights
+  hessian_record_d_z = 16,  // 4 derivatives
+};
 
 /// Weights of the particle in place i of the slab, lane_count apart.
 template <class T>
@@ -131,13 +139,12 @@ HWY_INLINE void store_derivatives(const ContractedRow<T>& row, T* out, int strid
 
 /// h ∇u at one particle with weights `of`: 3·vector_rows rows to `out`, `stride` apart.
 template <class T>
-HWY_INLINE void gather_particle(const ZKernel<T>& kernel, const T* of, const T* from, T* out,
-                                int stride) {
+HWY_INLINE void gather_particle(const T* of, const T* record, const T* from, T* out, int stride) {
   const OneParticle<T> particle{of};
   ContractedRow<T> sum[1][vector_rows<T>];
   contract<1>(&particle, from, sum);
-  Row<T> w, d;
-  kernel.weights(of + weight_r * lane_count<T>, w, d);
+  const Row<T> w = each_node(record + hessian_record_w_z);
+  const Row<T> d = each_node(record + hessian_record_d_z);
   for (int r = 0; r < vector_rows<T>; ++r)
     store_derivatives(times_z(sum[0][r], w, d), out + 3 * r * stride, stride);
 }
@@ -150,8 +157,7 @@ inline constexpr bool in_pairs = HWY_MAX_BYTES == 64 || channels<T> == 2;
 /// The same for two consecutive particles of one cell. With two channels, the third components of
 /// both share a row: u_z lies in either of its channels (pack_vector).
 template <class T>
-HWY_INLINE void gather_pair(const ZKernel<T>& kernel, const T* of, const T* from, T* out,
-                            int stride) {
+HWY_INLINE void gather_pair(const T* of, const T* record, const T* from, T* out, int stride) {
   const OneParticle<T> particle[2] = {{of}, {of + 1}};
   ContractedRow<T> sum[2][1];
   if constexpr (HWY_MAX_BYTES == 64) {
@@ -159,16 +165,17 @@ HWY_INLINE void gather_pair(const ZKernel<T>& kernel, const T* of, const T* from
   } else {  // 16 registers do not hold both
     contract<1>(particle, from, sum), contract<1>(particle + 1, from, sum + 1);
   }
-  Row<T> w, d;
+  Row<T> w[2], d[2];
   for (int k = 0; k < 2; ++k) {
-    kernel.weights(of + k + weight_r * lane_count<T>, w, d);
-    store_derivatives(times_z(sum[k][0], w, d), out + k * row_size<T>, stride);
+    w[k] = each_node(record + k * hessian_record_size + hessian_record_w_z);
+    d[k] = each_node(record + k * hessian_record_size + hessian_record_d_z);
+    store_derivatives(times_z(sum[k][0], w[k], d[k]), out + k * row_size<T>, stride);
   }
   if constexpr (channels<T> == 2) {
     const OneParticlePerChannel<T> both{of};
     contract<1>(&both, from + tile_row_size<T>, sum);
-    kernel.weights(both(weight_r), w, d);
-    const ContractedRow<T> z = times_z(sum[0][0], w, d);
+    const ContractedRow<T> z =
+        times_z(sum[0][0], one_per_channel(w[0], w[1]), one_per_channel(d[0], d[1]));
     out += 3 * stride;
     store_derivatives(z, out, stride);
     store_derivatives(

@@ -35,8 +35,8 @@ struct HessianBlock {
 };
 
 /// Numbers per particle while an x-slab is worked upon: weights, and a record of what it scatters.
-inline constexpr int hessian_weights = 14;
-inline constexpr int hessian_record_size = 12;
+inline constexpr int hessian_weights = 13;
+inline constexpr int hessian_record_size = 20;
 
 /// Scratch memory of one thread for applying the operator in type T.
 template <class T>
