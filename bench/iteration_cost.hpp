@@ -15,11 +15,13 @@ struct StepCost {
 class IterationCost {
  public:
   /// Semi-implicit steps to 1e-3 and 1e-6 and an explicit one, taken in turn with `particles`
-  /// each. What the former two differ by is the cost of their further iterations; what the first
-  /// takes beside its iterations and an explicit step is the set-up. Returns the seconds of one
-  /// iteration.
+  /// each. What the former two differ by is the cost of their further iterations. Returns the
+  /// seconds of one iteration.
   double add(const StepCost& coarse, const StepCost& fine, double explicit_seconds,
              double particles);
+
+  /// A semi-implicit step without an iteration, and an explicit one.
+  void add_setup(double without_iterations, double explicit_seconds);
 
   std::vector<results::Quantity> quantities() const;
 

@@ -198,10 +198,11 @@ template <class T>
 void ParticleStore<T>::sort(Block<T>& block, AlignedArray<T>& scratch) const {
   constexpr int n = chunk_lanes<T>;
   const int chunk = slots_ * n, chunks = (block.count + n - 1) / n;
-  // Whole chunks, sorted, and the cell of every particle.
-  scratch.require(static_cast<std::size_t>(chunks * (chunk + n)));
+  // Whole chunks, sorted; the cell of every particle; which particle comes to a place.
+  scratch.require(static_cast<std::size_t>(chunks * (chunk + 2 * n)));
   T* const sorted = scratch.data();
   auto* const cell = reinterpret_cast<Integer<T>*>(sorted + chunks * chunk);
+  auto* const order = cell + chunks * n;
   int begin[nodes_per_block + 1] = {};
   bool in_order = true;
   for (int i = 0; i < block.count; ++i) {
@@ -216,11 +217,14 @@ void ParticleStore<T>::sort(Block<T>& block, AlignedArray<T>& scratch) const {
   }
   if (in_order) return;
   for (int c = 0; c < nodes_per_block; ++c) begin[c + 1] += begin[c];
-  for (int i = 0; i < block.count; ++i) {
-    const int place = begin[cell[i]]++;
-    const T* from = &value(block, i, 0);
-    T* to = sorted + place / n * chunk + place % n;
-    for (int s = 0; s < slots_; ++s) to[s * n] = from[s * n];
+  for (int i = 0; i < block.count; ++i) order[begin[cell[i]]++] = static_cast<Integer<T>>(i);
+  for (int i = block.count; i < chunks * n; ++i) order[i] = order[0];  // to fill the last chunk
+  for (int c = 0; c < chunks; ++c) {
+    const T* from[n];
+    for (int l = 0; l < n; ++l) from[l] = &value(block, static_cast<int>(order[c * n + l]), 0);
+    T* to = sorted + c * chunk;
+    for (int s = 0; s < chunk; s += n, to += n)
+      for (int l = 0; l < n; ++l) to[l] = from[l][s];
   }
   for (int c = 0; c < chunks; ++c) {
     const int lanes = std::min(n, block.count - c * n);  // the spare ones keep what they hold

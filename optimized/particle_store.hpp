@@ -57,10 +57,10 @@ class ParticleStore {
 
   /// Quantity `slot` of particle i of a block.
   T& value(const Block<T>& block, int i, int slot) const {
-    constexpr int n = chunk_lanes<T>;
-    const int in_page = i % page_particles;
-    return block.pages[static_cast<std::size_t>(i / page_particles)]
-                      [(in_page / n) * slots_ * n + slot * n + in_page % n];
+    constexpr unsigned n = chunk_lanes<T>;
+    const auto u = static_cast<unsigned>(i);  // so that / and % are a shift and a mask
+    const unsigned chunk = u % page_particles / n * static_cast<unsigned>(slots_);
+    return block.pages[u / page_particles][(chunk + static_cast<unsigned>(slot)) * n + u % n];
   }
   std::size_t index(const Block<T>& block, int i) const;
   std::int32_t material(const Block<T>& block, int i) const;
