@@ -64,6 +64,25 @@ double disagreement(Solver& solver, const Scene& scene, const State& state) {
   return std::abs(std::sqrt(residual / size) - report.solver_residual);
 }
 
+/// Iterations of one step from each of twelve states that lie `r` explicit steps apart: the
+/// block lands, is stopped and rebounds while they pass.
+std::vector<Quantity> through_the_impact(Solver& solver, Solver& explicit_solver,
+                                         const Scene& plain, const Scene& coarse,
+                                         const Scene& fine) {
+  std::vector<double> to_coarse, to_fine;
+  explicit_solver.load(plain, initial_state(plain));
+  for (int k = 0; k < 12; ++k) {
+    State state;
+    explicit_solver.store(state);
+    to_coarse.push_back(step_from(solver, coarse, state, plain.time.step).iterations);
+    to_fine.push_back(step_from(solver, fine, state, plain.time.step).iterations);
+    for (int n = 0; n < static_cast<int>(r); ++n) explicit_solver.step(plain.time.step);
+  }
+  const char* const meaning = "from twelve states of the impact, r explicit steps apart";
+  return {cost_quantity("iterations through the impact 1e-3", "1", meaning, false, to_coarse),
+          cost_quantity("iterations through the impact 1e-6", "1", meaning, false, to_fine)};
+}
+
 /// Beyond an explicit run from the same state in the same steps [B per particle].
 double extra_memory(const Registry& registry, const Subject& subject, const Scene& plain,
                     const State& state) {
@@ -132,6 +151,8 @@ void measure(const Registry& registry, const Options& options, const Subject& su
       threads.values.push_back(b.seconds / step_from(*pair, fine, state, plain.time.step).seconds);
   }
   result.quantities = cost.quantities();
+  for (Quantity& q : through_the_impact(*solver, *explicit_solver, plain, coarse, fine))
+    result.quantities.push_back(std::move(q));
   result.quantities.push_back(scalar);
   result.quantities.push_back(gain);
   if (pair) result.quantities.push_back(threads);
