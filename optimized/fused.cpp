@@ -96,19 +96,8 @@ void OptimizedSolver<T>::collide_nodes(std::size_t n, ThreadMemory<T>& memory,
 
 template <class T>
 void OptimizedSolver<T>::load_surroundings(std::size_t active, const Workspace<T>& work) const {
-  const Surroundings& s = nodes_.surroundings(active);
-  if (s.first_region < 0) {
-    const T* gathered[8];
-    for (std::size_t k = 0; k < 8; ++k)
-      gathered[k] = nodes_.gathered(static_cast<std::size_t>(s.node_block[k]));
-    kernels_.load_local(gathered, work.local);
-  } else {
-    for (int k = 0; k < s.region_count; ++k) {
-      const auto& from = nodes_.regions(s)[k];
-      kernels_.load_region(nodes_.gathered(static_cast<std::size_t>(from.node_block)), from.region,
-                           work.local);
-    }
-  }
+  nodes_.load_surroundings(
+      active, kernels_, [&](std::size_t n) { return nodes_.gathered(n); }, work.local);
   kernels_.difference(work);
 }
 

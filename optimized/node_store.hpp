@@ -65,6 +65,25 @@ class NodeStore {
     return regions_.data() + static_cast<std::size_t>(s.first_region);
   }
 
+  /// The node values around an active block, from those of node block n at gathered(n).
+  template <class Kernels, class Gathered, class Value>
+  void load_surroundings(std::size_t active, const Kernels& kernels, const Gathered& gathered,
+                         Value* local) const {
+    const Surroundings& s = surroundings(active);
+    if (s.first_region < 0) {
+      const Value* from[8];
+      for (std::size_t k = 0; k < 8; ++k)
+        from[k] = gathered(static_cast<std::size_t>(s.node_block[k]));
+      kernels.load_local(from, local);
+    } else {
+      for (int k = 0; k < s.region_count; ++k) {
+        const RegionFrom& from = regions(s)[k];
+        kernels.load_region(gathered(static_cast<std::size_t>(from.node_block)), from.region,
+                            local);
+      }
+    }
+  }
+
   /// All fields of all nodes, where they are kept: stage by stage, or without the skips
   /// `fields` and `volumes`.
   NodeFields<T>& fields(std::size_t n) { return fields_[n]; }

@@ -37,24 +37,8 @@ struct ParticleRows {
   Row<T> z[force_rows<T>];    // w'_z τ_·z
 };
 
-/// The four sums of a row that stand for its 4 nodes in x.
 template <class T>
-struct RowSums {
-  Row<T> n0, s0, s1, n3;
-
-  HWY_INLINE explicit RowSums(const T* p)
-      : n0(load_row(p)),
-        s0(load_row(p + tile_rows<T> * tile_row_size<T>)),
-        s1(load_row(p + 2 * tile_rows<T> * tile_row_size<T>)),
-        n3(load_row(p + 3 * tile_rows<T> * tile_row_size<T>)) {}
-
-  HWY_INLINE void store(T* p) const {
-    store_row(n0, p);
-    store_row(s0, p + tile_rows<T> * tile_row_size<T>);
-    store_row(s1, p + 2 * tile_rows<T> * tile_row_size<T>);
-    store_row(n3, p + 3 * tile_rows<T> * tile_row_size<T>);
-  }
-};
+using TileSums = RowSums<T, tile_rows<T> * tile_row_size<T>>;
 
 template <class T>
 HWY_INLINE void prepare(const ZKernel<T>& kernel, const T* record, ParticleRows<T>& rows) {
@@ -74,7 +58,7 @@ HWY_INLINE void prepare(const ZKernel<T>& kernel, const T* record, ParticleRows<
 template <int first, int count, class T>
 HWY_INLINE void accumulate_mass(const ParticleRows<T>* rows, const T* record, int n, int j,
                                 T* sums) {
-  RowSums<T> a[2] = {RowSums<T>(sums), RowSums<T>(sums + (count - 1) * tile_row_size<T>)};
+  TileSums<T> a[2] = {TileSums<T>(sums), TileSums<T>(sums + (count - 1) * tile_row_size<T>)};
   FIRN_UNROLL_TWICE
   for (int p = 0; p < n; ++p, record += record_size) {
     const Row<T> w_y = all(record + record_w_y + j), t = all(record + record_t);
@@ -94,7 +78,7 @@ HWY_INLINE void accumulate_mass(const ParticleRows<T>* rows, const T* record, in
 template <int first, int count, class T>
 HWY_INLINE void accumulate_force(const ParticleRows<T>* rows, const T* record, int n, int j,
                                  T* sums) {
-  RowSums<T> a[2] = {RowSums<T>(sums), RowSums<T>(sums + (count - 1) * tile_row_size<T>)};
+  TileSums<T> a[2] = {TileSums<T>(sums), TileSums<T>(sums + (count - 1) * tile_row_size<T>)};
   FIRN_UNROLL_TWICE
   for (int p = 0; p < n; ++p, record += record_size) {
     // Weight by weight, not row by row: at most two weights are alive at a time, and
@@ -127,8 +111,8 @@ template <bool with_force, class T>
 HWY_INLINE void accumulate_two_nodes(const ParticleRows<T>* rows, const T* record, int n, int j,
                                      T* sums, int y_stride) {
   constexpr int R = tile_row_size<T>;
-  RowSums<T> mass[2] = {RowSums<T>(sums), RowSums<T>(sums + y_stride)};
-  RowSums<T> force[2] = {RowSums<T>(sums + R), RowSums<T>(sums + y_stride + R)};
+  TileSums<T> mass[2] = {TileSums<T>(sums), TileSums<T>(sums + y_stride)};
+  TileSums<T> force[2] = {TileSums<T>(sums + R), TileSums<T>(sums + y_stride + R)};
   for (int p = 0; p < n; ++p, record += record_size) {
     const Row<T> t = all(record + record_t);
     const Row<T> w0 = all(record + record_w_x0), w3 = all(record + record_w_x3);

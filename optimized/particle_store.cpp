@@ -208,8 +208,7 @@ void ParticleStore<T>::sort(Block<T>& block, AlignedArray<T>& scratch) const {
   bool in_order = true;
   for (int i = 0; i < block.count; ++i) {
     if (i % n == 0 && i + 4 * n < block.count)  // single lines, which nobody sees coming
-      for (int axis = 0; axis < 3; ++axis)
-        hwy::Prefetch(&value(block, i + 4 * n, slot_x + axis));
+      for (int axis = 0; axis < 3; ++axis) hwy::Prefetch(&value(block, i + 4 * n, slot_x + axis));
     int c = 0;
     for (int axis = 0; axis < 3; ++axis) {
       const auto x = number_of<T>(value(block, i, slot_x + axis));

@@ -169,6 +169,24 @@ HWY_INLINE Row<T> operator-(const Row<T>& a, const Row<T>& b) {
   return r;
 }
 
+/// The four sums of a row that stand for its 4 nodes in x (p2g-inl.h), `stride` apart in memory.
+template <class T, int stride>
+struct RowSums {
+  Row<T> n0, s0, s1, n3;
+
+  HWY_INLINE RowSums() = default;
+  HWY_INLINE explicit RowSums(const T* p)
+      : n0(load_row(p)),
+        s0(load_row(p + stride)),
+        s1(load_row(p + 2 * stride)),
+        n3(load_row(p + 3 * stride)) {}
+
+  HWY_INLINE void store(T* p) const {
+    store_row(n0, p), store_row(s0, p + stride);
+    store_row(s1, p + 2 * stride), store_row(n3, p + 3 * stride);
+  }
+};
+
 /// a b + c
 template <class T>
 HWY_INLINE Row<T> mul_add(const Row<T>& a, const Row<T>& b, const Row<T>& c) {

@@ -10,9 +10,9 @@
 
 namespace firn::optimized {
 
-/// How many of n blocks a thread takes at a time: up to 16 neighbours, since each block asks for the
-/// next one's particles in advance and shares nodes with it, but six turns per thread at least, so
-/// that a thread which is held up holds up nobody.
+/// How many of n blocks a thread takes at a time: up to 16 neighbours, since each block asks for
+/// the next one's particles in advance and shares nodes with it, but six turns per thread at least,
+/// so that a thread which is held up holds up nobody.
 inline int blocks_per_turn(int n, int threads) { return std::clamp(n / (6 * threads), 1, 16); }
 
 template <class T>

@@ -3,8 +3,8 @@
 #include <numeric>
 
 #include "firn/error.hpp"
-#include "io/scene/builtin_scenes.hpp"
 #include "io/one_line.hpp"
+#include "io/scene/builtin_scenes.hpp"
 #include "io/scene/scene_file.hpp"
 
 namespace firn {

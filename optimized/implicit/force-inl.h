@@ -14,30 +14,15 @@ HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {
 namespace HWY_NAMESPACE {
 
-/// The z-rows of one particle's τ'.
+/// The z-rows of one particle's τ', and its weights in x and y.
 template <class T>
 struct HessianRows {
   Row<T> x[vector_rows<T>], y[vector_rows<T>], z[vector_rows<T>];
-  const T* weights;
+  const T* weights;  ///< see weights_of()
 };
 
-/// The sums of a row that stand for its 4 nodes in x; see p2g-inl.h.
 template <class T>
-struct VectorSums {
-  Row<T> n0, s0, s1, n3;
-
-  HWY_INLINE VectorSums() = default;
-  HWY_INLINE explicit VectorSums(const T* p)
-      : n0(load_row(p)),
-        s0(load_row(p + vector_row<T>)),
-        s1(load_row(p + 2 * vector_row<T>)),
-        n3(load_row(p + 3 * vector_row<T>)) {}
-
-  HWY_INLINE void store(T* p) const {
-    store_row(n0, p), store_row(s0, p + vector_row<T>);
-    store_row(s1, p + 2 * vector_row<T>), store_row(n3, p + 3 * vector_row<T>);
-  }
-};
+using VectorSums = RowSums<T, vector_row<T>>;
 
 /// The z-rows of the particle in place i.
 template <class T>

@@ -214,19 +214,8 @@ void ImplicitSystem<S>::apply() {
   for (int i = 0; i < n; ++i) {
     const auto a = static_cast<std::size_t>(i);
     const HessianScratch<T> work = scratch<T>();
-    const Surroundings& s = nodes_->surroundings(a);
-    if (s.first_region < 0) {
-      const T* from[8];
-      for (std::size_t k = 0; k < 8; ++k)
-        from[k] = gathered<T>(static_cast<std::size_t>(s.node_block[k]));
-      kernels.load_local(from, work.local);
-    } else {
-      for (int k = 0; k < s.region_count; ++k) {
-        const auto& from = nodes_->regions(s)[k];
-        kernels.load_region(gathered<T>(static_cast<std::size_t>(from.node_block)), from.region,
-                            work.local);
-      }
-    }
+    nodes_->load_surroundings(
+        a, kernels, [&](std::size_t n) { return gathered<T>(n); }, work.local);
     kernels.difference(work);
     kernels.apply(particles_of(a), work, tile<T>(a));
     if constexpr (sizeof(T) < sizeof(S)) kernels.total(tile<T>(a), defects_[a].total);

@@ -1,8 +1,8 @@
 /// Mistakes in the weights, which every stage between particles and grid uses: 1, 2, 3, 7, 8.
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <Eigen/LU>
 #include <cmath>
 
 #include "reference/constitutive.hpp"

@@ -165,7 +165,8 @@ TEST_P(OptimizedSolver, ASolveTakesLittleMemory) {
   const double more = bytes(IntegratorType::semi_implicit) - bytes(IntegratorType::explicit_euler);
   const double value = GetParam() == Precision::float64 ? 8 : 4;
   // 14 + 7/2.5 numbers, and a tenth for spare room, lanes left over and the lists of blocks; with
-  // rows of one channel (SSE4) a tile has 7 instead of 8 and less room for the vectors: a twentieth.
+  // rows of one channel (SSE4) a tile has 7 instead of 8 and less room for the vectors: a
+  // twentieth.
   EXPECT_LE(more, 1.15 * (14 + 7 / 2.5) * value);
   EXPECT_GT(more, 14 * value);
 }
