@@ -106,7 +106,11 @@ void ImplicitSystem<S>::minres(double scale, double target, std::int64_t max_ite
     }));
     const double off_diagonal = k == 0 ? 0 : beta;
     pivot = alpha - (k == 0 ? 0 : beta * beta / pivot);
-    if (pivot <= 0) report.indefinite = true;
+    if (pivot <= 0) {
+      report.indefinite = true;
+      // Or roundoff, which then may keep the residual from falling at all: solve() goes on in S.
+      if constexpr (sizeof(T) < sizeof(S)) return;
+    }
 
     const double rho_3 = s_last * off_diagonal;
     const double rho_2 = s * alpha + c_last * c * off_diagonal;
@@ -168,7 +172,8 @@ SolveReport ImplicitSystem<S>::solve(double tolerance, std::int64_t max_iteratio
     if (may_widen && in_float &&
         (report.indefinite || size > shortfall_allowed * promised ||
          report.iterations >= most_in_float))
-      in_float = false;  // roundoff costs more iterations than a float saves
+      // Roundoff costs more iterations than a float saves, and tells nothing about curvature.
+      in_float = report.indefinite = false;
     else if (!(size < last_size))
       report.status = SolveReport::Status::stagnates;
     if (report.iterations >= max_iterations) report.status = SolveReport::Status::out_of_iterations;
