@@ -141,6 +141,29 @@ TEST_P(Solve, MomentumOfAFreeBodyIsExactBesideAHeldOne) {
   EXPECT_LE(defect.norm(), 16 * eps() * scale);
 }
 
+/// The same where a block meets itself or its neighbour a second time across a period that is no
+/// multiple of a block: tiles are cut into regions there.
+TEST_P(Solve, MomentumIsExactInAShortPeriod) {
+  for (const int period : {3, 5, 7})
+    for (const std::size_t particles : {4, 200}) {
+      Scene scene = implicit_scene();
+      scene.integrator.tolerance = 1e-1;
+      scene.grid.periodic = Vec3::Constant(period * scene.grid.spacing);
+      State state = random_snow(scene, particles, period, 31);
+      for (Vec3& x : state.particles.x) x = scene.wrap(x);
+      const Solved s(scene, state, GetParam(), 1e-2);
+      EXPECT_GT(s.report.solver_iterations, 0);
+      const Grid& grid = s.before.grid;
+      Vec3 defect = Vec3::Zero();
+      double scale = 0;
+      for (std::size_t i = 0; i < grid.size(); ++i) {
+        defect += grid.m[i] * (s.after.grid.v_new[i] - grid.v_star[i]);
+        scale += grid.m[i] * (grid.v_star[i].norm() + s.after.grid.v_new[i].norm());
+      }
+      EXPECT_LE(defect.norm(), 16 * eps() * scale) << period << " cells, " << particles;
+    }
+}
+
 /// Strong isotropic compression: the twist eigenvalue 2μ(1 − 2/(σ_i+σ_j)) + λ(J−1)J/(σ_iσ_j)
 /// is negative, and with a large step so is the matrix. Solved all the same, and reported.
 TEST_P(Solve, IndefiniteSystemsAreSolvedAndReported) {
@@ -169,6 +192,102 @@ TEST(MixedSolve, HardSystemsAreSolvedWithTheOperatorInDouble) {
   EXPECT_LE(s.report.solver_residual, 1e-6);
   EXPECT_TRUE(s.report.solver_indefinite);
   EXPECT_LE(s.report.solver_iterations, 3 * expected.report.solver_iterations);
+}
+
+/// Iterations of the optimized solver in double, and of the reference.
+struct Iterations {
+  std::int64_t reference, optimized;
+};
+Iterations iterations(const Scene& scene, const State& state, double dt) {
+  const Solved expected(scene, state, {"reference", Precision::float64}, dt);
+  const Solved s(scene, state, {"optimized", Precision::float64}, dt);
+  EXPECT_LE(s.report.solver_residual, scene.integrator.tolerance);
+  EXPECT_EQ(s.report.solver_indefinite, expected.report.solver_indefinite);
+  return {expected.report.solver_iterations, s.report.solver_iterations};
+}
+
+State undeformed(State state) {
+  for (Mat3& F : state.particles.F_E) F.setIdentity();
+  for (Mat3& F : state.particles.F_P) F.setIdentity();
+  return state;
+}
+
+/// No curvature is negative here, but at thousands of times the explicit step roundoff in float
+/// makes it seem so, and a round in float never comes to its end: that is neither reported nor
+/// waited for.
+TEST(MixedSolve, RoundoffIsNotNegativeCurvature) {
+  Scene scene = implicit_scene();
+  scene.integrator.tolerance = 1e-6;
+  scene.integrator.max_iterations = 100000;
+  for (const std::size_t particles : {5, 10})
+    for (const double dt : {30.0, 100.0}) {
+      const State state = undeformed(random_snow(scene, particles, 1.5, 8));
+      const Iterations n = iterations(scene, state, dt);
+      EXPECT_GT(n.reference, 30);
+      EXPECT_LE(n.optimized, 5 * n.reference);  // measured: 3
+    }
+}
+
+/// The operator in float leaves half of the iterations allowed to the one in double: twice the
+/// reference's are enough.
+TEST(MixedSolve, FloatTakesHalfOfTheIterationsAllowed) {
+  Scene scene = implicit_scene();
+  scene.integrator.tolerance = 1e-6;
+  const State state = undeformed(random_snow(scene, 20, 1.5, 8));
+  for (const double dt : {1.0, 5.0}) {
+    scene.integrator.max_iterations = 2000;
+    const Solved expected(scene, state, {"reference", Precision::float64}, dt);
+    scene.integrator.max_iterations = 2 * static_cast<int>(expected.report.solver_iterations);
+    const Solved s(scene, state, {"optimized", Precision::float64}, dt);
+    EXPECT_LE(s.report.solver_residual, 1e-6);
+  }
+}
+
+/// In floats V_p0 A_p is infinite: they are given up after one iteration, and nothing is lost.
+TEST(MixedSolve, NumbersBeyondTheRangeOfAFloatAreSolvedInDouble) {
+  Scene scene = implicit_scene();
+  scene.grid.spacing = 1e12;
+  scene.integrator.tolerance = 1e-6;
+  scene.materials[0].youngs_modulus = 1e12;
+  const double sound = std::sqrt(scene.materials[0].youngs_modulus / 400);
+  State state = random_snow(scene, 60, 3, 7);
+  for (Vec3& v : state.particles.v) v *= 0.01 * sound;
+  const Iterations n = iterations(scene, state, 2 * scene.grid.spacing / sound);
+  EXPECT_GT(n.reference, 10);
+  EXPECT_LE(n.optimized, n.reference + 2);
+}
+
+/// What the forces of a block lack in float may not be given to a node that only dust reaches,
+/// 1e12 times lighter: it would be flung away, and the search directions with it.
+TEST(MixedSolve, DustBesideSnowIsNotFlungAway) {
+  Scene scene = implicit_scene();
+  scene.integrator.tolerance = 1e-8;
+  State state = random_snow(scene, 40, 1, 17);
+  cases::Random random(3);
+  const double h = scene.grid.spacing;
+  for (std::size_t p = 0; p < 40; ++p) {
+    Particles& all = state.particles;
+    const bool dust = p < 8;  // in the block's first cell; snow is two cells away
+    all.x[p] = h * (dust ? Vec3(Vec3::Constant(0.3) + 0.2 * random.vec3())
+                         : Vec3(Vec3::Constant(3) + 0.9 * random.vec3()));
+    if (dust) all.m[p] *= 1e-12, all.V_0[p] *= 1e-12;
+  }
+  const Iterations n = iterations(scene, state, 5e-3);
+  EXPECT_GT(n.reference, 10);
+  EXPECT_LE(n.optimized, n.reference + 4);  // a round or two more
+}
+
+/// A particle alone: its force in float lacks nothing that its nearest node, with a tenth of its
+/// mass or more, would notice.
+TEST(MixedSolve, ALoneParticleIsSolvedInOneRound) {
+  Scene scene = implicit_scene();
+  scene.integrator.tolerance = 1e-6;
+  for (const double place : {0.3, 0.49, 0.51, 0.7}) {
+    State state = random_snow(scene, 1, 1, 3);
+    state.particles.x[0] = scene.grid.spacing * (Vec3(1, 2, 3) + Vec3::Constant(place));
+    const Iterations n = iterations(scene, state, 1e-2);
+    EXPECT_LE(n.optimized, n.reference + 1) << place;
+  }
 }
 
 TEST_P(Solve, NotConvergedIsAnErrorThatLeavesTheState) {
