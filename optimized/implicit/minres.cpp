@@ -170,7 +170,7 @@ SolveReport ImplicitSystem<S>::solve(double tolerance, std::int64_t max_iteratio
     }
     if (size <= tolerance * v_star_norm) break;
     if (may_widen && in_float &&
-        (report.indefinite || size > shortfall_allowed * promised ||
+        (report.indefinite || size > std::min(shortfall_allowed * promised, last_size) ||
          report.iterations >= most_in_float))
       // Roundoff costs more iterations than a float saves, and tells nothing about curvature.
       in_float = report.indefinite = false;

@@ -222,9 +222,10 @@ void ImplicitSystem<S>::apply() {
   }
 }
 
-/// Inner forces add up to 0, and so does momentum stay what it is, exactly, if it does to the
-/// roundoff of the fields. In a narrower type it does not: what a tile's forces lack is given to
-/// one of its nodes, which belongs to the same body as all the particles of the block.
+/// Inner forces add up to 0, exactly or to the roundoff of the type in which they are scattered; if
+/// that is narrower than the fields', momentum would drift. What a tile's forces lack is given to
+/// one of its nodes. All particles of a block share nodes, so that this is one of their own body's
+/// (but for particles less than some 1e-6 h from a plane of nodes, whose outer weights vanish).
 template <class S>
 template <class T>
 const FieldType<T, S>* ImplicitSystem<S>::applied(std::size_t n, Sums& thread) const {
