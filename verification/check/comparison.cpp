@@ -78,7 +78,7 @@ void FieldComparison::particles(FieldRow& row, double scale) const {
       const double period = field == Field::particle_position ? scene.grid.periodic[c] : 0;
       // The two sides of the seam are the same place: take the image next to the
       // reference's. Elsewhere positions have to be wrapped.
-      const double low = scene.grid.origin[c];
+      const double low = period > 0 ? scene.grid.origin[c] : 0;
       if (period > 0 && place.subject_value >= low - place.bound &&
           place.subject_value <= low + period + place.bound)
         place.subject_value -=
