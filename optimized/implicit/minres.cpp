@@ -14,7 +14,8 @@ namespace firn::optimized {
 namespace {
 
 /// By how much a round with the operator in float may reduce the residual before it is found
-/// anew; what is asked is divided evenly among as many rounds as that takes.
+/// anew; what is asked is divided evenly among as many rounds as that takes. (1e-3 restarts more
+/// often; with 1e-7 rounds go on where roundoff leaves nothing to gain, beyond 100 explicit steps.)
 double reduction_of_round(double asked) {
   constexpr double most = 1e-5;
   // A little more than that, lest roundoff make another round necessary.
@@ -22,7 +23,8 @@ double reduction_of_round(double asked) {
   return std::pow(rest, 1 / std::ceil(std::log(rest) / std::log(most)));
 }
 
-/// A round may reduce the residual by so much less than its recurrence says.
+/// A round may reduce the residual by so much less than its recurrence says: up to 200 explicit
+/// steps it is a few per cent, in hopeless systems a thousand times and more.
 constexpr double shortfall_allowed = 10;
 
 }  // namespace
