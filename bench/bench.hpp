@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "bench/results.hpp"
 #include "firn/registry.hpp"
+#include "io/results/results.hpp"
 
 namespace firn::bench {
 

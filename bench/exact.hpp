@@ -1,7 +1,7 @@
 #pragma once
 /// The problems with known solutions that verification and measurements share.
 
-#include "verification/exact/exact.hpp"
+#include "verification/oracles/exact/exact.hpp"
 
 namespace firn::bench {
 using namespace exact;

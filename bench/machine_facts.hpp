@@ -1,7 +1,7 @@
 #pragma once
 /// The machine and the build that figures belong to, and how noisy it is just now.
 
-#include "bench/results.hpp"
+#include "io/results/results.hpp"
 
 namespace firn::bench {
 

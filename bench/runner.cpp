@@ -8,10 +8,10 @@
 
 #include "bench/bench.hpp"
 #include "bench/machine_facts.hpp"
-#include "bench/results_file.hpp"
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "firn/error.hpp"
+#include "io/results/results_file.hpp"
 
 namespace firn::bench {
 

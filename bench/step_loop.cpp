@@ -10,7 +10,7 @@
 
 #include "bench/landing_block.hpp"
 #include "bench/workload.hpp"
-#include "cli/builtin_solvers.hpp"
+#include "solvers/solvers.hpp"
 
 int main(int argc, char** argv) {
   using namespace firn;
@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   Registry registry;
-  cli::register_builtin_solvers(registry);
+  register_solvers(registry);
   SolverOptions options;
   options.precision = std::string(argv[1]) == "float" ? Precision::float32 : Precision::float64;
 

@@ -1,6 +1,6 @@
 /// firn compare: two trajectories, whoever wrote them.
 
-#include "io/compare.hpp"
+#include "io/trajectory/compare.hpp"
 
 #include <cmath>
 #include <fmt/core.h>

@@ -6,11 +6,11 @@
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
 
-#include "cli/builtin_solvers.hpp"
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/machine.hpp"
 #include "io/mesh/mesh_shape.hpp"
+#include "solvers/solvers.hpp"
 
 namespace firn::cli {
 

@@ -11,11 +11,11 @@
 #include <string>
 #include <unistd.h>
 
-#include "cli/builtin_solvers.hpp"
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
-#include "io/hdf5_reading.hpp"
+#include "io/hdf5/reading.hpp"
+#include "solvers/solvers.hpp"
 
 namespace {
 
@@ -122,7 +122,7 @@ int main(int argc, char** argv) {
   std::signal(SIGPIPE, SIG_DFL);
   handle_crashes();
   try {
-    firn::cli::register_builtin_solvers(context.registry);
+    firn::register_solvers(context.registry);
     return run_program(argc, argv, context);
   } catch (const firn::InputError& error) {
     print_error(error.what());

@@ -12,15 +12,15 @@
 #include <unistd.h>
 
 #include "bench/machine_facts.hpp"
-#include "bench/results_file.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
-#include "verification/cases/snow.hpp"
+#include "io/results/results_file.hpp"
 #include "verification/check/check.hpp"
 #include "verification/mutants/mutants.hpp"
 #include "verification/suite/run.hpp"
 #include "verification/suite/subject.hpp"
+#include "verification/support/snow_cases.hpp"
 
 namespace firn::cli {
 

@@ -4,9 +4,9 @@
 
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
+#include "guests/guests.hpp"
 #include "io/scene/scene_file.hpp"
 #include "teach/exercises.hpp"
-#include "verification/guests/guests.hpp"
 #include "verification/mutants/mutants.hpp"
 
 namespace firn::cli {

@@ -10,7 +10,7 @@
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
-#include "io/simulate.hpp"
+#include "simulation/simulate.hpp"
 
 namespace firn::cli {
 

@@ -10,12 +10,12 @@
 #include <unistd.h>
 
 #include "bench/machine_facts.hpp"
-#include "bench/results_file.hpp"
-#include "cli/builtin_solvers.hpp"
 #include "cli/mutation_score.hpp"
 #include "cli/options.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "io/results/results_file.hpp"
+#include "solvers/solvers.hpp"
 #include "verification/suite/run.hpp"
 #include "verification/suite/subject.hpp"
 #include "verification/suite/svd_library.hpp"
@@ -140,7 +140,7 @@ int run_program(int argc, char** argv) {
                  "(verification/suite/firn_svd.h)");
   app.footer("Exit status: 0 VALID; 1 INVALID; 2 bad input or usage; 130 interrupted.");
   Registry registry;
-  register_builtin_solvers(registry);
+  register_solvers(registry);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -6,7 +6,7 @@ find_program(FIRN_CLANG_FORMAT NAMES clang-format-14)
 find_program(FIRN_CLANG_TIDY NAMES clang-tidy-14)
 find_program(FIRN_GIT NAMES git)
 
-set(firn_code_folders firn reference optimized io verification bench cli examples)
+set(firn_code_folders firn io simulation reference optimized guests verification solvers bench cli teach web examples)
 
 # Only what belongs to the project: the files that git knows.
 if(FIRN_CLANG_FORMAT AND FIRN_GIT)

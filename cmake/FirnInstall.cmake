@@ -1,7 +1,7 @@
 # Installation: every library made by firn_add_library(), the program, the headers,
 # and the package Firn for find_package(). Included last, when all targets exist.
 #
-# Verified by verification/install, which builds an outside project against it.
+# Verified by verification/tests/install, which builds an outside project against it.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -11,22 +11,17 @@ set_target_properties(firn_arithmetic PROPERTIES EXPORT_NAME arithmetic)
 install(TARGETS ${firn_libraries} firn_arithmetic EXPORT FirnTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-if(TARGET firn)
-  install(TARGETS firn firn-guest RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
-if(TARGET firn-verify)
-  install(TARGETS firn-verify RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-endif()
+install(TARGETS firn firn-verify firn-guest RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
 # Headers keep their place under the project's root, so that an #include reads the
 # same inside and outside.
-foreach(folder IN ITEMS firn io)
+foreach(folder IN ITEMS firn io simulation)
   install(DIRECTORY ${folder} DESTINATION include
     FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "scene" EXCLUDE)
 endforeach()
 foreach(header IN ITEMS io/scene/builtin_scenes.hpp io/scene/scene_file.hpp
         reference/reference_solver.hpp reference/stencil.hpp optimized/optimized_solver.hpp
-        cli/builtin_solvers.hpp verification/check/check.hpp)
+        solvers/solvers.hpp verification/check/check.hpp)
   if(EXISTS ${PROJECT_SOURCE_DIR}/${header})
     cmake_path(GET header PARENT_PATH folder)
     install(FILES ${header} DESTINATION include/${folder})

@@ -27,13 +27,16 @@ add_library(firn_arithmetic INTERFACE)
 target_compile_options(firn_arithmetic INTERFACE -ffp-contract=off)
 target_compile_definitions(firn_arithmetic INTERFACE EIGEN_DONT_VECTORIZE)
 
-# firn_add_library(NAME SOURCES… [LIBS…]): target firn_NAME, exported as Firn::NAME.
+# firn_add_library(NAME [INTERNAL] SOURCES… [LIBS…]): target firn_NAME, installed and exported as
+# Firn::NAME unless it is INTERNAL.
 function(firn_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "" "SOURCES;LIBS;PRIVATE_LIBS" ${ARGN})
   add_library(firn_${name} ${ARG_SOURCES})
   add_library(Firn::${name} ALIAS firn_${name})
   set_target_properties(firn_${name} PROPERTIES EXPORT_NAME ${name})
-  set_property(GLOBAL APPEND PROPERTY FIRN_LIBRARIES firn_${name})  # FirnInstall.cmake
+  if(NOT ARG_INTERNAL)
+    set_property(GLOBAL APPEND PROPERTY FIRN_LIBRARIES firn_${name})  # FirnInstall.cmake
+  endif()
   target_include_directories(firn_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include>)
   target_link_libraries(firn_${name} PUBLIC firn_arithmetic ${ARG_LIBS}

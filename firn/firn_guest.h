@@ -79,8 +79,8 @@ typedef struct firn_guest_scene {
    * else in here is valid until the next load() or destroy(). */
   void (*contact)(void* host, size_t index, const double x[3], double t,
                   firn_guest_contact* result);
-  void* host;       /* first argument of contact() */
-  const char* toml; /* the whole scene as resolved TOML text */
+  void* host;         /* first argument of contact() */
+  const char* toml;   /* the whole scene as resolved TOML text */
   double step;        /* fixed dt [s]; 0: chosen by choose_time_step(), by these limits: */
   double max_step;    /* largest dt [s] */
   double cfl;         /* dt <= cfl h / max |v_p| */

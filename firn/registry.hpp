@@ -1,6 +1,6 @@
 #pragma once
 /// Solvers by name. Nothing registers itself: the composition root
-/// (cli/builtin_solvers.cpp) names the built-in ones, a third party adds its own
+/// (solvers/solvers.cpp) names the built-in ones, a third party adds its own
 /// by one explicit call.
 
 #include <functional>

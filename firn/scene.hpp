@@ -1,6 +1,6 @@
 #pragma once
 /// A scene, as the TOML file states it and after every value was checked.
-/// `io/scene_file.hpp` reads one; a program may also fill one by hand.
+/// `io/scene/scene_file.hpp` reads one; a program may also fill one by hand.
 
 #include <cstdint>
 #include <string>

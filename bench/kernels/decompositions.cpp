@@ -10,7 +10,7 @@
 #include "bench/kernels/matrices.hpp"
 #include "firn/error.hpp"
 #include "firn/material.hpp"
-#include "optimized/kernels/batch.hpp"
+#include "optimized/math/batch.hpp"
 #include "reference/polar.hpp"
 
 namespace firn::bench {

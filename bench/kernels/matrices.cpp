@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "optimized/kernels/batch.hpp"
+#include "optimized/math/batch.hpp"
 
 namespace firn::bench {
 

@@ -13,7 +13,7 @@ namespace firn::bench {
 /// inside; "Gaussian": N. N has independent normal entries.
 std::vector<Mat3> matrices(const std::string& family, std::size_t count, std::uint64_t seed);
 
-/// Matrices to packets of 16 and back, as optimized/kernels/batch.hpp lays them out.
+/// Matrices to packets of 16 and back, as optimized/math/batch.hpp lays them out.
 template <class T>
 std::vector<T> pack(const std::vector<Mat3>& matrices);
 template <class T>

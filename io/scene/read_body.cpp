@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "io/scene/read_scene.hpp"
-#include "io/trajectory_reader.hpp"
+#include "io/trajectory/reader.hpp"
 
 namespace firn {
 

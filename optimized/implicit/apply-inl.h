@@ -14,12 +14,12 @@
 
 #include <type_traits>
 
-#include "optimized/fold-inl.h"
 #include "optimized/implicit/force-inl.h"
 #include "optimized/implicit/layout.hpp"
-#include "optimized/kernels/hessian-inl.h"
-#include "optimized/records-inl.h"
-#include "optimized/surroundings-inl.h"
+#include "optimized/math/hessian-inl.h"
+#include "optimized/passes/fold-inl.h"
+#include "optimized/passes/records-inl.h"
+#include "optimized/passes/surroundings-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

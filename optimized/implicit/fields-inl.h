@@ -9,9 +9,9 @@
 #define FIRN_OPTIMIZED_IMPLICIT_FIELDS_INL_H_
 #endif
 
-#include "optimized/grid-inl.h"
 #include "optimized/implicit/layout.hpp"
-#include "optimized/kernels/mat3-inl.h"
+#include "optimized/math/mat3-inl.h"
+#include "optimized/passes/grid-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

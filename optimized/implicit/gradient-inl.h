@@ -9,7 +9,7 @@
 #endif
 
 #include "optimized/implicit/layout.hpp"
-#include "optimized/row-inl.h"
+#include "optimized/passes/row-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

@@ -7,7 +7,7 @@
 
 #include <type_traits>
 
-#include "optimized/layout.hpp"
+#include "optimized/store/layout.hpp"
 
 namespace firn::optimized {
 

@@ -8,7 +8,7 @@
 #endif
 
 #include "optimized/implicit/apply-inl.h"
-#include "optimized/update-inl.h"
+#include "optimized/passes/update-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

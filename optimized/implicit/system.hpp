@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "optimized/implicit/kernel_table.hpp"
-#include "optimized/memory.hpp"
-#include "optimized/node_store.hpp"
-#include "optimized/particle_store.hpp"
-#include "optimized/thread_memory.hpp"
+#include "optimized/store/memory.hpp"
+#include "optimized/store/node_store.hpp"
+#include "optimized/store/particle_store.hpp"
+#include "optimized/store/thread_memory.hpp"
 
 namespace firn::optimized {
 

@@ -1,6 +1,6 @@
 // Any bytes are either a trajectory, whose frames hold what its header says, or an
 // InputError of one line. HDF5 itself is not instrumented, and it has defects of its own
-// (see io/hdf5_reading.hpp): reads out of bounds inside the library are passed over, and
+// (see io/hdf5/reading.hpp): reads out of bounds inside the library are passed over, and
 // where it crashes, the input is kept as hdf5-NUMBER and the process ends with status 77,
 // for verification/fuzz/run.sh to start it again.
 //
@@ -21,8 +21,8 @@
 #include <unistd.h>
 #include <vector>
 
-#include "io/hdf5_reading.hpp"
-#include "io/trajectory_reader.hpp"
+#include "io/hdf5/reading.hpp"
+#include "io/trajectory/reader.hpp"
 #include "verification/fuzz/judge.hpp"
 
 namespace {

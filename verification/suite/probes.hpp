@@ -7,10 +7,10 @@
 
 #include "firn/scene.hpp"
 #include "firn/state.hpp"
-#include "verification/cases/snow.hpp"
 #include "verification/oracles/svd_oracle.hpp"
 #include "verification/suite/ledger.hpp"
 #include "verification/suite/subject.hpp"
+#include "verification/support/snow_cases.hpp"
 
 namespace firn::suite {
 

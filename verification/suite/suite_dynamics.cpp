@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "firn/diagnostics.hpp"
-#include "verification/exact/exact.hpp"
+#include "verification/oracles/exact/exact.hpp"
 #include "verification/suite/probes.hpp"
 
 namespace firn::suite {

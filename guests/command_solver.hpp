@@ -1,0 +1,48 @@
+#pragma once
+/// A solver that is a command: it reads a trajectory, takes steps, writes a trajectory.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "firn/solver.hpp"
+#include "guests/guests.hpp"
+
+namespace firn::guest {
+
+/// Each step runs the command once: {in} is a trajectory whose last frame is the
+/// state and whose attribute `scene` states a fixed step (the Δt to take), {out}
+/// the file to write, {steps} how many steps (1). Stops only between steps. The
+/// file is read in a process of its own: HDF5 may crash on bytes that are none.
+class CommandSolver : public Solver {
+ public:
+  CommandSolver(const std::string& command, const SolverOptions& options,
+                const GuestOptions& guest_options);
+  ~CommandSolver() override;
+
+  const SolverTraits& traits() const override { return traits_; }
+  void load(const Scene& scene, const State& state) override;
+  TimeStep choose_time_step() override;
+  StepReport advance_through(Stage last, double dt) override;
+  void store(State& state) const override { state = state_; }
+  Diagnostics diagnostics() const override;
+
+ private:
+  void write_input(double dt) const;
+  void run_command() const;
+  void read_output(double dt);
+  State read_trajectory(const std::filesystem::path& path) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+  std::vector<std::string> words_;
+  GuestOptions guest_options_;
+  SolverTraits traits_;
+  State state_;
+  std::filesystem::path folder_;  ///< of its own, removed at the end
+};
+
+/// The command's words: blanks separate, single or double quotes hold together.
+/// Throws InputError for an open quote.
+std::vector<std::string> split_command(const std::string& command);
+
+}  // namespace firn::guest

@@ -1,0 +1,237 @@
+#include "io/hdf5/read.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <system_error>
+
+#include "firn/error.hpp"
+#include "io/hdf5/reading.hpp"
+
+namespace firn::hdf5 {
+
+namespace {
+
+herr_t refuse_external_link(const char*, const char*, const char*, const char*, unsigned*, hid_t,
+                            void*) {
+  return -1;
+}
+
+/// Closing reads, too: what is left of the file's structure.
+herr_t close_file(hid_t file) {
+  const Reading reading;
+  return H5Fclose(file);
+}
+
+std::string describe(const std::vector<hsize_t>& dimensions) {
+  std::string text = "(";
+  for (std::size_t i = 0; i < dimensions.size(); ++i)
+    text += (i > 0 ? "," : "") + std::to_string(dimensions[i]);
+  return text + ")";
+}
+
+const char* name(H5T_class_t type_class) {
+  switch (type_class) {
+    case H5T_INTEGER: return "integer";
+    case H5T_FLOAT: return "floating point";
+    case H5T_STRING: return "string";
+    default: return "another type";
+  }
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& path) : path_(path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(path.string() + ": cannot be opened: is a directory");
+  file_bytes_ = static_cast<double>(std::filesystem::file_size(path, error));
+  if (error) throw InputError(path.string() + ": cannot be opened: " + error.message());
+  const Reading reading(path);
+  const Id access = file_access();
+  file_ = Id(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), close_file);
+  if (!file_) throw InputError(path.string() + ": is not a readable HDF5 file: " + last_error());
+  links_ = Id(H5Pcreate(H5P_LINK_ACCESS), H5Pclose);
+  H5Pset_elink_cb(links_.get(), refuse_external_link, nullptr);
+}
+
+bool InputFile::has(const std::string& name) const {
+  const Reading reading(path_);
+  // Every part of the path is looked up in turn, as H5Lexists demands.
+  for (std::size_t end = name.find('/', 1); true; end = name.find('/', end + 1)) {
+    if (H5Lexists(file_.get(), name.substr(0, end).c_str(), links_.get()) <= 0) return false;
+    if (end == std::string::npos) break;
+  }
+  return H5Oexists_by_name(file_.get(), name.c_str(), links_.get()) > 0;
+}
+
+/// Deflate packs at most 1032 : 1, so a larger claim is a lie, or data never written.
+void InputFile::require_honest_size(const InputDataset& dataset, double bytes) const {
+  Id properties(H5Dget_create_plist(dataset.id_.get()), H5Pclose);
+  const H5D_layout_t layout = H5Pget_layout(properties.get());
+  if (layout == H5D_VIRTUAL || H5Pget_external_count(properties.get()) > 0)
+    throw InputError(dataset.where(), "where its values are", "in another file", "in this file");
+  const double packing = layout == H5D_CHUNKED ? 1032 : 1;
+  const double stored = static_cast<double>(H5Dget_storage_size(dataset.id_.get()));
+  if (bytes > packing * std::min(stored, file_bytes_))
+    throw InputError(
+        dataset.where(), "size of the dataset", to_text(bytes) + " bytes",
+        "what the " + to_text(std::min(stored, file_bytes_)) + " bytes stored for it can hold");
+}
+
+InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t components) const {
+  const Reading reading(path_);
+  InputDataset dataset;
+  dataset.where_ = where(path);
+  if (!has(path))
+    throw InputError(dataset.where_ + (H5Lexists(file_.get(), path.c_str(), links_.get()) > 0
+                                           ? ": is a link that leads out of this file or nowhere"
+                                           : ": missing dataset"));
+  dataset.id_ = Id(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.id_) throw InputError(dataset.where_ + ": cannot be opened: " + last_error());
+
+  Id type(H5Dget_type(dataset.id_.get()), H5Tclose);
+  const H5T_class_t type_class = H5Tget_class(type.get());
+  const std::size_t size = H5Tget_size(type.get());
+  const bool fits = kind == Kind::real ? type_class == H5T_FLOAT && (size == 4 || size == 8)
+                                       : type_class == H5T_INTEGER && size <= 8;
+  if (!fits)
+    throw InputError(
+        dataset.where_, "type",
+        std::string(name(type_class)) + " of " + std::to_string(size) + " bytes",
+        kind == Kind::real ? "floating point of 4 or 8 bytes" : "integer of at most 8 bytes");
+
+  Id space(H5Dget_space(dataset.id_.get()), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  std::vector<hsize_t> dimensions(static_cast<std::size_t>(std::max(rank, 0)));
+  if (rank > 0) H5Sget_simple_extent_dims(space.get(), dimensions.data(), nullptr);
+  const bool plain = rank == 1 && components <= 1;
+  const bool table =
+      rank == 2 && (components == 0 || dimensions[1] == static_cast<hsize_t>(components));
+  if (!plain && !table)
+    throw InputError(dataset.where_, "shape", describe(dimensions),
+                     components <= 1 ? "(N)" : "(N," + std::to_string(components) + ")");
+
+  double bytes = static_cast<double>(size);
+  for (const hsize_t n : dimensions) bytes *= static_cast<double>(n);
+  require_honest_size(dataset, bytes);
+  dataset.rows_ = static_cast<std::int64_t>(dimensions[0]);
+  if (table) dataset.components_ = static_cast<std::int64_t>(dimensions[1]);
+  return dataset;
+}
+
+void InputDataset::read_as(hid_t memory_type, std::int64_t first, std::int64_t rows,
+                           void* values) const {
+  if (first < 0 || rows < 0 || first > rows_ - rows)
+    throw InputError(where_, "rows asked for",
+                     std::to_string(first) + " … " + std::to_string(first + rows - 1),
+                     "0 … " + std::to_string(rows_ - 1));
+  if (rows == 0) return;
+  const Reading reading;
+  Id space(H5Dget_space(id_.get()), H5Sclose);
+  hsize_t dimensions[H5S_MAX_RANK] = {};
+  const int rank = H5Sget_simple_extent_dims(space.get(), dimensions, nullptr);
+  hsize_t start[H5S_MAX_RANK] = {static_cast<hsize_t>(first)};
+  dimensions[0] = static_cast<hsize_t>(rows);
+  Id memory(H5Screate_simple(rank, dimensions, nullptr), H5Sclose);
+  if (rank < 1 ||
+      H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start, nullptr, dimensions, nullptr) < 0 ||
+      H5Dread(id_.get(), memory_type, memory.get(), space.get(), H5P_DEFAULT, values) < 0)
+    throw InputError(where_ + ": cannot be read: " + last_error());
+}
+
+void InputDataset::read(std::int64_t first, std::int64_t rows, double* values) const {
+  read_as(H5T_NATIVE_DOUBLE, first, rows, values);
+}
+
+void InputDataset::read(std::int64_t first, std::int64_t rows, std::int64_t* values) const {
+  read_as(H5T_NATIVE_INT64, first, rows, values);
+}
+
+void InputDataset::read(std::int64_t first, std::int64_t rows, std::byte* values) const {
+  read_as(H5T_NATIVE_UINT8, first, rows, values);
+}
+
+std::vector<std::int64_t> InputFile::integers(const std::string& path, std::int64_t count,
+                                              std::int64_t low, std::int64_t high) const {
+  const InputDataset data = dataset(path, Kind::integer, 1);
+  if (data.rows() < count)
+    throw InputError(data.where(), "number of values", std::to_string(data.rows()),
+                     "at least " + std::to_string(count));
+  std::vector<std::int64_t> values(static_cast<std::size_t>(count));
+  data.read(0, count, values.data());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] < low || values[i] > high)
+      throw InputError(data.where() + "[" + std::to_string(i) + "]", "value",
+                       std::to_string(values[i]),
+                       std::to_string(low) + " … " + std::to_string(high));
+  return values;
+}
+
+Id InputFile::attribute(const std::string& object, const char* attribute_name,
+                        H5T_class_t type_class) const {
+  const Reading reading(path_);
+  const std::string at = where(object) + ": attribute " + attribute_name;
+  if (!has(object)) throw InputError(where(object) + ": missing group");
+  if (H5Aexists_by_name(file_.get(), object.c_str(), attribute_name, links_.get()) <= 0)
+    throw InputError(at + ": missing");
+  Id id(H5Aopen_by_name(file_.get(), object.c_str(), attribute_name, H5P_DEFAULT, links_.get()),
+        H5Aclose);
+  if (!id) throw InputError(at + ": cannot be opened: " + last_error());
+  Id type(H5Aget_type(id.get()), H5Tclose);
+  if (H5Tget_class(type.get()) != type_class)
+    throw InputError(at, "type", name(H5Tget_class(type.get())), name(type_class));
+  return id;
+}
+
+std::vector<std::int64_t> InputFile::integer_list_attribute(const std::string& object,
+                                                            const char* attribute_name) const {
+  const Reading reading(path_);
+  const Id id = attribute(object, attribute_name, H5T_INTEGER);
+  Id space(H5Aget_space(id.get()), H5Sclose);
+  const hssize_t count = H5Sget_simple_extent_npoints(space.get());
+  constexpr hssize_t most = 16;
+  const std::string at = where(object) + ": attribute " + attribute_name;
+  if (count < 1 || count > most)
+    throw InputError(at, "number of values", std::to_string(count), "1 … 16");
+  std::vector<std::int64_t> values(static_cast<std::size_t>(count));
+  if (H5Aread(id.get(), H5T_NATIVE_INT64, values.data()) < 0)
+    throw InputError(at + ": cannot be read: " + last_error());
+  return values;
+}
+
+std::int64_t InputFile::integer_attribute(const std::string& object,
+                                          const char* attribute_name) const {
+  return integer_list_attribute(object, attribute_name)[0];
+}
+
+std::string InputFile::text_attribute(const std::string& object, const char* attribute_name) const {
+  const std::string at = where(object) + ": attribute " + attribute_name;
+  const Reading reading(path_);
+  const Id id = attribute(object, attribute_name, H5T_STRING);
+  Id space(H5Aget_space(id.get()), H5Sclose);
+  if (H5Sget_simple_extent_npoints(space.get()) != 1)
+    throw InputError(at, "number of values",
+                     std::to_string(H5Sget_simple_extent_npoints(space.get())), "1");
+  Id type(H5Aget_type(id.get()), H5Tclose);
+  if (H5Tis_variable_str(type.get()) > 0) {
+    char* text = nullptr;
+    Id memory_type(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(memory_type.get(), H5T_VARIABLE);
+    H5Tset_cset(memory_type.get(), H5Tget_cset(type.get()));
+    if (H5Aread(id.get(), memory_type.get(), &text) < 0)
+      throw InputError(at + ": cannot be read: " + last_error());
+    const std::string copy = text != nullptr ? text : "";
+    H5free_memory(text);
+    return copy;
+  }
+  const std::size_t size = H5Tget_size(type.get());
+  if (static_cast<double>(size) > file_bytes_)
+    throw InputError(at, "length", std::to_string(size), "what the file can hold");
+  std::string text(size, '\0');
+  if (H5Aread(id.get(), type.get(), text.data()) < 0)
+    throw InputError(at + ": cannot be read: " + last_error());
+  text.resize(std::min(text.find('\0'), text.size()));
+  return text;
+}
+
+}  // namespace firn::hdf5

@@ -1,0 +1,162 @@
+#include "io/trajectory/layout.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "firn/registry.hpp"
+#include "io/hdf5/write.hpp"
+
+namespace firn {
+
+namespace {
+
+hsize_t as_size(std::int64_t n) { return static_cast<hsize_t>(n); }
+
+/// 0, stride, 2·stride, …
+std::vector<std::int64_t> multiples(std::int64_t stride, std::int64_t count) {
+  std::vector<std::int64_t> values(static_cast<std::size_t>(count));
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = stride * static_cast<std::int64_t>(k);
+  return values;
+}
+
+void create_particle_arrays(hid_t file, Precision precision, std::int64_t points) {
+  const hid_t real = precision == Precision::float64 ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
+  hdf5::create_dataset(file, "/VTKHDF/Points", real, {as_size(points), 3}, "m");
+  hdf5::create_group(file, "/VTKHDF/PointData");
+  for (const ParticleArray& array : real_particle_arrays) {
+    const std::string name = std::string("/VTKHDF/PointData/") + array.name;
+    if (array.components == 1)
+      hdf5::create_dataset(file, name, real, {as_size(points)}, array.units);
+    else
+      hdf5::create_dataset(file, name, real, {as_size(points), as_size(array.components)},
+                           array.units);
+  }
+  hdf5::create_dataset(file, "/VTKHDF/PointData/id", H5T_STD_I64LE, {as_size(points)}, "1");
+  hdf5::create_dataset(file, "/VTKHDF/PointData/material", H5T_STD_I32LE, {as_size(points)}, "1");
+}
+
+/// One vertex per particle, the same for every frame; no lines, no polygons.
+void create_cells(hid_t file, std::int64_t particles) {
+  for (const std::string kind : {"Vertices", "Lines", "Polygons", "Strips"}) {
+    const std::int64_t cells = kind == "Vertices" ? particles : 0;
+    const std::string group = "/VTKHDF/" + kind;
+    hdf5::create_group(file, group);
+    hdf5::write_constant(file, group + "/NumberOfCells", {1}, std::array{cells});
+    hdf5::write_constant(file, group + "/NumberOfConnectivityIds", {1}, std::array{cells});
+    hdf5::write_constant(file, group + "/Offsets", {as_size(cells + 1)}, multiples(1, cells + 1));
+    hdf5::write_constant(file, group + "/Connectivity", {as_size(cells)}, multiples(1, cells));
+  }
+}
+
+/// Where each frame's particles begin: known for all frames beforehand. There
+/// is one part, the same for all frames, as the number of particles is. NSteps
+/// and Values come first and together, see TrajectoryFile::count_frames().
+void create_steps(hid_t file, std::int64_t particles, std::int64_t frames) {
+  const std::string steps = "/VTKHDF/Steps";
+  hdf5::create_group(file, steps);
+  hdf5::Id group(hdf5::written(H5Gopen2(file, steps.c_str(), H5P_DEFAULT), steps), H5Gclose);
+  hdf5::write_integer(group.get(), steps, "NSteps", 0);
+  hdf5::create_growing_dataset(file, steps + "/Values", H5T_IEEE_F64LE, 1, as_size(frames), "s");
+
+  const std::vector<std::int64_t> zeros(static_cast<std::size_t>(4 * frames), 0);
+  const std::vector<std::int64_t> ones(static_cast<std::size_t>(frames), 1);
+  const std::vector<std::int64_t> first_point = multiples(particles, frames);
+  const hsize_t n = as_size(frames);
+  hdf5::write_constant(file, steps + "/NumberOfParts", {n}, ones);
+  hdf5::write_constant(file, steps + "/PartOffsets", {n}, zeros);
+  hdf5::write_constant(file, steps + "/PointOffsets", {n}, first_point);
+  hdf5::write_constant(file, steps + "/CellOffsets", {n, 4}, zeros);
+  hdf5::write_constant(file, steps + "/ConnectivityIdOffsets", {n, 4}, zeros);
+  hdf5::create_group(file, steps + "/PointDataOffsets");
+  for (const std::string name : {"velocity", "mass", "volume", "F_E", "F_P", "id", "material"})
+    hdf5::write_constant(file, steps + "/PointDataOffsets/" + name, {n}, first_point);
+}
+
+void create_vtkhdf(hid_t file, Precision precision, const TrajectorySize& size) {
+  const std::string vtkhdf = "/VTKHDF";
+  hdf5::create_group(file, vtkhdf);
+  hdf5::Id group(hdf5::written(H5Gopen2(file, vtkhdf.c_str(), H5P_DEFAULT), vtkhdf), H5Gclose);
+
+  const std::array<std::int64_t, 2> version = {2, 0};
+  const hsize_t two = 2;
+  hdf5::Id pair(hdf5::written(H5Screate_simple(1, &two, nullptr), vtkhdf), H5Sclose);
+  hdf5::Id version_attribute(hdf5::written(H5Acreate2(group.get(), "Version", H5T_STD_I64LE,
+                                                      pair.get(), H5P_DEFAULT, H5P_DEFAULT),
+                                           vtkhdf),
+                             H5Aclose);
+  hdf5::written(H5Awrite(version_attribute.get(), H5T_NATIVE_INT64, version.data()), vtkhdf);
+
+  // VTK asks for an ASCII string of fixed length here.
+  const std::string type = "PolyData";
+  hdf5::Id text(hdf5::written(H5Tcopy(H5T_C_S1), vtkhdf), H5Tclose);
+  H5Tset_size(text.get(), type.size());
+  H5Tset_strpad(text.get(), H5T_STR_NULLPAD);
+  hdf5::Id scalar(hdf5::written(H5Screate(H5S_SCALAR), vtkhdf), H5Sclose);
+  hdf5::Id type_attribute(hdf5::written(H5Acreate2(group.get(), "Type", text.get(), scalar.get(),
+                                                   H5P_DEFAULT, H5P_DEFAULT),
+                                        vtkhdf),
+                          H5Aclose);
+  hdf5::written(H5Awrite(type_attribute.get(), text.get(), type.data()), vtkhdf);
+
+  hdf5::write_constant(file, vtkhdf + "/NumberOfPoints", {1}, std::array{size.particles});
+  create_steps(file, size.particles, size.frames);
+  create_cells(file, size.particles);
+  create_particle_arrays(file, precision, size.particles * size.frames);
+}
+
+void create_firn(hid_t file, const TrajectoryInfo& info, const TrajectorySize& size) {
+  const std::string firn = "/firn";
+  hdf5::create_group(file, firn);
+  hdf5::Id group(hdf5::written(H5Gopen2(file, firn.c_str(), H5P_DEFAULT), firn), H5Gclose);
+  hdf5::write_text(group.get(), firn, "format", std::string(trajectory_format));
+  hdf5::write_integer(group.get(), firn, "version", trajectory_version);
+  hdf5::write_text(group.get(), firn, "solver", info.solver);
+  hdf5::write_text(group.get(), firn, "precision", std::string(name(info.precision)));
+  hdf5::write_integer(group.get(), firn, "threads", info.threads);
+  hdf5::write_text(group.get(), firn, "firn_version", info.firn_version);
+  hdf5::write_text(group.get(), firn, "processor", info.processor);
+  hdf5::write_text(group.get(), firn, "scene", info.scene);
+  hdf5::create_dataset(file, firn + "/steps", H5T_STD_I64LE, {as_size(size.frames)}, "1");
+  if (size.restart_size > 0)
+    hdf5::create_dataset(file, firn + "/restart", H5T_STD_U8LE,
+                         {as_size(size.frames), static_cast<hsize_t>(size.restart_size)}, "1");
+
+  const std::string diagnostics = firn + "/diagnostics";
+  hdf5::create_group(file, diagnostics);
+  hdf5::Id rows(hdf5::written(H5Gopen2(file, diagnostics.c_str(), H5P_DEFAULT), diagnostics),
+                H5Gclose);
+  hdf5::write_integer(rows.get(), diagnostics, "rows", 0);
+  for (const DiagnosticsColumn& column : diagnostics_columns) {
+    const std::string name = diagnostics + "/" + column.name;
+    const hid_t type = column.integer ? H5T_STD_I64LE : H5T_IEEE_F64LE;
+    if (column.components == 1)
+      hdf5::create_dataset(file, name, type, {as_size(size.rows)}, column.units);
+    else
+      hdf5::create_dataset(file, name, type, {as_size(size.rows), as_size(column.components)},
+                           column.units);
+  }
+}
+
+}  // namespace
+
+double TrajectorySize::bytes(Precision precision) const {
+  double reals = 3;
+  for (const ParticleArray& array : real_particle_arrays) reals += array.components;
+  const double real_bytes = precision == Precision::float64 ? 8 : 4;
+  const double N = static_cast<double>(particles);
+  const double particle_bytes = reals * real_bytes + 8 + 4;  // id, material
+  const double step_bytes = 8 * (1 + 3 + 4 + 4 + 7 + 1);     // Steps/*, and the frame's step number
+  return static_cast<double>(frames) *
+             (N * particle_bytes + step_bytes + static_cast<double>(restart_size)) +
+         static_cast<double>(rows) * diagnostics_row_bytes + 16 * N;  // the vertices
+}
+
+void create_trajectory_layout(hid_t file, const TrajectoryInfo& info, const TrajectorySize& size) {
+  create_vtkhdf(file, info.precision, size);
+  create_firn(file, info, size);
+}
+
+}  // namespace firn

@@ -1,0 +1,32 @@
+// The double kernels, compiled once for every instruction set.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "optimized/passes/kernels_double.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h:
+#include <hwy/highway.h>
+
+#include "optimized/passes/table-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace firn::optimized {
+namespace HWY_NAMESPACE {
+
+const KernelTable<double>* double_table() {
+  static const KernelTable<double> kernels = make_table<double>();
+  return &kernels;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace firn::optimized
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace firn::optimized {
+
+HWY_EXPORT(double_table);
+
+const KernelTable<double>& double_kernels() { return *HWY_DYNAMIC_DISPATCH(double_table)(); }
+
+}  // namespace firn::optimized
+#endif  // HWY_ONCE

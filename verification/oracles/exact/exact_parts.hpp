@@ -1,0 +1,21 @@
+#pragma once
+/// What the exact problems are put together from.
+
+#include <string>
+
+#include "verification/oracles/exact/exact.hpp"
+
+namespace firn::exact::parts {
+
+/// Soft and purely elastic.
+Material elastic_material();
+
+/// c = √((λ+2μ)/ρ), about 20 m/s.
+double sound_speed(const Material& m);
+
+Scene elastic_scene(const std::string& name, double h, double dt, double alpha);
+
+/// 8 per cell on a lattice over cells_x × cells_y × cells_z cells.
+void fill(ExactProblem& problem, int cells_x, int cells_y, int cells_z);
+
+}  // namespace firn::exact::parts

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+"""Rejects an #include that crosses the layout's arrows (docs/architecture.md).
+
+    firn <- reference        firn <- optimized        these two never see each other
+    io reads and writes files and knows no solver
+    verification and bench reach solvers through the composition root only, except the
+    unit suites of a solver's own parts
+    solvers/builtin_solvers.cpp is the one place that names concrete solvers
+    reports is Python and reads HDF5 and nothing else
+
+Usage: check_layering.py ROOT; prints one line per crossing and exits 1 if there is any.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+FOLDERS = ("firn", "io", "simulation", "reference", "optimized", "guests", "verification", "solvers",
+           "bench", "cli", "reports", "teach", "web", "examples")
+
+# Folder (the longest match counts) -> what its files may include besides that folder itself.
+# An entry is a folder or one header.
+SOLVERS = "solvers/solvers.hpp"
+ALLOWED = {
+    "firn": [],
+    "reference": ["firn"],
+    "optimized": ["firn"],
+    "io": ["firn"],
+    "simulation": ["firn", "io"],
+    # A guest's answers are files.
+    "guests": ["firn", "io"],
+    # The checker knows solvers as the interface has them.
+    "verification/check": ["firn"],
+    "verification/oracles": ["firn"],
+    # Wrong solvers are made of the right one's stages.
+    "verification/mutants": ["firn", "reference"],
+    "verification/support": ["firn", "io", "simulation", SOLVERS],
+    "verification/suite": ["firn", "verification"],
+    "verification/fuzz": ["firn", "io", "verification", SOLVERS],
+    # Tests see the room that they test, the shared fixtures, and solvers by their names.
+    "verification/tests": ["firn", "io", "simulation", "verification", SOLVERS],
+    "verification/tests/bench": ["firn", "io", "bench", "verification", SOLVERS],
+    "verification/tests/oracles": ["firn", "bench", "verification", SOLVERS],
+    "verification/tests/reference": ["firn", "reference", "verification"],
+    "verification/tests/optimized": ["firn", "io", "simulation", "optimized", "verification", SOLVERS],
+    # A project of its own, built against the installed package.
+    "verification/tests/install/outside": ["firn", "io", "reference", "verification"],
+    # The composition root.
+    "solvers": ["firn", "reference", "optimized", "guests", "verification/mutants", "teach"],
+    "bench": ["firn", "io", "verification", SOLVERS],
+    # Kernels are measured one by one, below the interface of solvers.
+    "bench/kernels": ["firn", "reference", "optimized", "bench"],
+    "cli": ["firn", "io", "simulation", "guests", "verification", "bench", "teach", SOLVERS],
+    "reports": [],
+    # What an outsider has.
+    "examples": ["firn/firn_guest.h"],
+    # A lesson is about the reference, and its exercises are mutants.
+    "teach": ["firn", "io", "reference", "verification/mutants"],
+    "web": ["firn", "io", "reference"],
+}
+
+CPP = {".c", ".cc", ".cpp", ".h", ".hpp", ".inl", ".in"}
+# Also the way in which SIMD code includes itself once per instruction set.
+INCLUDE = re.compile(r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^">]+)[">]', re.M)
+# A report that called into a solver would no longer be a reader of files.
+PYTHON_IMPORT = re.compile(r"^\s*(?:import|from)\s+(ctypes|cffi|subprocess)\b", re.M)
+
+
+def rule_of(path: str) -> str:
+    """The most specific key of ALLOWED that holds for the file at `path`."""
+    keys = [key for key in ALLOWED if path == key or path.startswith(key + "/")]
+    return max(keys, key=len)
+
+
+def target_of(root: Path, file: Path, include: str):
+    """The project's own file that an include names, or None for anybody else's."""
+    for candidate in (root / include, file.parent / include):
+        if candidate.is_file():
+            relative = candidate.resolve().relative_to(root)
+            if relative.parts[0] in FOLDERS:
+                return relative.as_posix()
+    # A header that does not exist (yet) still crosses if it names a folder of ours.
+    first = include.split("/")[0]
+    return include if "/" in include and first in FOLDERS else None
+
+
+def allowed(rule: str, target: str) -> bool:
+    return any(target == entry or target.startswith(entry + "/") for entry in [rule, *ALLOWED[rule]])
+
+
+def crossings(root: Path):
+    root = root.resolve()
+    seen = 0
+    for folder in FOLDERS:
+        for file in sorted((root / folder).rglob("*")) if (root / folder).is_dir() else []:
+            path = file.relative_to(root).as_posix()
+            if file.suffix == ".py" and path.startswith("reports/firn_reports/"):
+                seen += 1
+                for match in PYTHON_IMPORT.finditer(file.read_text()):
+                    yield f"{path}: imports {match[1]}; reports read HDF5 and nothing else"
+            if file.suffix not in CPP or not file.is_file():
+                continue
+            seen += 1
+            text = file.read_text()
+            for match in INCLUDE.finditer(text):
+                target = target_of(root, file, match[1])
+                if target and not allowed(rule_of(path), target):
+                    line = text.count("\n", 0, match.start(1)) + 1
+                    yield f"{path}:{line}: includes {target}, which {rule_of(path)} may not see"
+    if seen == 0:
+        yield f"{root}: no source file found, nothing was checked"
+
+
+def main() -> int:
+    found = list(crossings(Path(sys.argv[1])))
+    for line in found:
+        print(line)
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
