@@ -39,8 +39,12 @@ class StopOnSignal {
   void (*before_term_)(int);
 };
 
-std::string command_of(const results::Case& result, const Options& options) {
+std::string command_of(const results::Case& result, const Options& options,
+                       const Registry& registry) {
   std::string text = "firn bench '" + result.suite + "/" + result.name + "'";
+  for (const auto& [fact, value] : result.parameters)
+    if (const auto* solver = std::get_if<std::string>(&value); fact == "solver" && solver)
+      if (registry.find(*solver) == nullptr) text += " --solver '" + *solver + "'";
   if (options.seed != 1) text += " --seed " + std::to_string(options.seed);
   return text;
 }
@@ -239,7 +243,7 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
     ++number;
     results::Case& result = plan.description;
     if (skipped(result)) continue;
-    result.command = command_of(result, options);
+    result.command = command_of(result, options, registry);
     log << "[" << number << "/" << chosen.size() << "] " << result.suite << "/" << result.name
         << ": " << std::flush;
     try {

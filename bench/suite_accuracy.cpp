@@ -177,13 +177,13 @@ void plan_implicit(bool slow, std::vector<Point>& points) {
 void plan_accuracy_suite(const Registry& registry, const Options& options,
                          std::vector<CasePlan>& plans) {
   for (const Subject& subject : subjects(registry, options, false)) {
-    const bool slow = subject.solver == "reference";
+    const bool slow = subject.slow();
     std::vector<Point> points;
     if (slow)
       plan_slow(points);
     else
       plan_explicit(subject.precision == Precision::float64, points);
-    if (registry.find(subject.solver)->semi_implicit) plan_implicit(slow, points);
+    if (subject.traits.semi_implicit) plan_implicit(slow, points);
     for (const Point& point : points) plan(registry, subject, point, plans);
   }
 }

@@ -65,7 +65,7 @@ void plan_cost(const Registry& registry, const Options& options, const Subject& 
     const auto n = static_cast<double>(state.particles.size());
     result.parameters.emplace_back("particles", n);
     const auto solver = subject.create(registry);
-    const bool slow = subject.solver == "reference";
+    const bool slow = subject.slow();
     const int steps = factor > 20 ? 1 : 2;
 
     IterationCost cost;
@@ -180,8 +180,8 @@ void plan_error(const Registry& registry, const Options& options, const Subject&
 void plan_implicit_suite(const Registry& registry, const Options& options,
                          std::vector<CasePlan>& plans) {
   for (const Subject& subject : subjects(registry, options, false)) {
-    if (!registry.find(subject.solver)->semi_implicit) continue;
-    const bool slow = subject.solver == "reference";
+    if (!subject.traits.semi_implicit) continue;
+    const bool slow = subject.slow();
     for (const double youngs_modulus : {1.4e5, 1e6, 1e7})
       for (const double factor : {10.0, 50.0, 100.0}) {
         // 4 k particles everywhere; 97 k show that iterations do not grow with the number, in

@@ -159,22 +159,23 @@ void plan_kernels_suite(const Registry& registry, const Options& options,
   plan_decompositions(seed, plans);
   plan_constitutive(seed, plans);
   for (const Subject& subject : subjects(registry, options, false)) {
-    const bool plain = subject.solver == "reference";
+    if (subject.traits.stops.size() < all_stages.size()) continue;  // a guest of whole steps
+    const bool has_targets = subject.solver == "optimized";
     const std::string precision(name(subject.precision));
-    std::vector<std::string> targets = kernel_targets();
-    if (plain) targets.assign(1, std::string());
+    const std::vector<std::string> targets =
+        has_targets ? kernel_targets() : std::vector<std::string>{""};
     for (const std::string& target : targets) {
       for (const StageKernel& kernel : stage_kernels)
         plan_kernel(
-            kernel.name, subject.solver, precision, target,
+            kernel.name, subject.label(), precision, target,
             [=, &registry, stage = kernel.stage](results::Case& r) {
               time_stage(registry, subject, stage, seed, r);
             },
             plans);
     }
-    if (!plain)
+    if (has_targets)
       plan_kernel(
-          "sort into blocks", subject.solver, precision, "",
+          "sort into blocks", subject.label(), precision, "",
           [=, &registry](results::Case& r) { time_sort_of(registry, subject, seed, r); }, plans);
   }
   plan_kernel(

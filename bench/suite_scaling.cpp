@@ -73,7 +73,7 @@ void plan_efficiency(const Registry& registry, const Options& options, const Sub
 void plan_scaling_suite(const Registry& registry, const Options& options,
                         std::vector<CasePlan>& plans) {
   for (const Subject& subject : subjects(registry, options, true)) {
-    if (subject.solver == "reference") continue;
+    if (subject.slow()) continue;
     for (const Deformation deformation : {Deformation::elastic, Deformation::plastic}) {
       if (subject.threads > 1) {
         for (const std::size_t particles : {100'000u, 1'000'000u})

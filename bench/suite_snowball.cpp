@@ -92,7 +92,7 @@ Outcome simulate(const Registry& registry, const Subject& subject, const Scene& 
     solver->step(scene.time.step);
     if (outcome.contact > 0 || step % 5 != 0) continue;
     // Contact: the momentum has left the law of free fall by 1 %.
-    const Diagnostics d = solver->diagnostics();
+    const Diagnostics d = solver->diagnostics(scene);
     const double t = step * scene.time.step, free = undisturbed - 9.81 * t;
     if (d.momentum.z() / d.mass > free + 0.01 * std::abs(free)) outcome.contact = t;
   }
@@ -119,14 +119,14 @@ void plan_snowball_suite(const Registry& registry, const Options& options,
                          std::vector<CasePlan>& plans) {
   for (const Subject& subject : subjects(registry, options, false))
     for (const int resolution : {4, 6, 9}) {
-      if (subject.solver == "reference" && resolution > 4) continue;
+      if (subject.slow() && resolution > 4) continue;
       CasePlan plan;
       plan.description.suite = "snowball";
       plan.description.name = subject.text() + ",resolution=" + std::to_string(resolution);
       plan.description.title = "bands over seeds, " + plan.description.name;
       subject.describe(plan.description);
       plan.description.parameters.emplace_back("resolution", static_cast<double>(resolution));
-      plan.quick = subject.solver != "reference" && resolution <= 4;
+      plan.quick = !subject.slow() && resolution <= 4;
       plan.run = [=, &registry, seed = options.seed](results::Case& result) {
         Quantity center{
             "center", "m",  "height of the centre of mass at 0.15 s", Quantity::Better::neither,

@@ -261,7 +261,7 @@ void plan_stability_suite(const Registry& registry, const Options& options,
     // Float noise is as large as the perturbation; the map is one of the method, in double.
     if (subject.precision != Precision::float64) continue;
     // The reference takes part where the recurrence predicts; elsewhere it would only be slow.
-    const bool slow = subject.solver == "reference";
+    const bool slow = subject.slow();
     const auto add = [&](const char* varied, double value, bool quick, auto set) {
       Point point;
       point.varied = varied;
@@ -297,7 +297,7 @@ void plan_stability_suite(const Registry& registry, const Options& options,
     for (const double v : {0.0, 5.0, 20.0})
       add("hardening at J_P = 0.8", v, true, [v](Point& p) { p.hardening = v, p.J_P = 0.8; });
     for (const double v : {0.25, 0.5, 1.0}) add("jitter", v, true, [v](Point& p) { p.jitter = v; });
-    if (!registry.find(subject.solver)->semi_implicit) continue;
+    if (!subject.traits.semi_implicit) continue;
     for (const double v : {0.1, 0.25, 0.4, 0.5, 1.0})
       add("beta", v, false, [v](Point& p) { p.beta = v; });
     for (const double v : {0.1, 0.25, 0.4, 0.5, 1.0})

@@ -58,7 +58,7 @@ void add_shares(const Subject& subject, Deformation deformation, const Quantity&
 void plan_stages(const Registry& registry, const Options& options, const Subject& subject,
                  Deformation deformation, std::size_t particles, std::vector<CasePlan>& plans) {
   CasePlan plan = step_case("stages", subject, deformation, particles,
-                            subject.solver != "reference" || deformation == Deformation::plastic);
+                            !subject.slow() || deformation == Deformation::plastic);
   plan.run = [=, &registry](results::Case& result) {
     validate(registry, subject, deformation, options.seed, result);
     if (result.status != results::Status::measured) return;

@@ -51,7 +51,7 @@ void plan_speedup(const Registry& registry, const Options& options, const Subjec
     const Workload work = block(particles, deformation, options.seed);
     const auto n = static_cast<double>(work.state.particles.size());
     Timed timed(registry, subject, work);
-    Timed reference(registry, {"reference", Precision::float64, 1}, work);
+    Timed reference(registry, {"reference"}, work);
     Quantity ratio{"speedup",
                    "1",
                    "time of the reference (double, one thread) over time of this solver",
@@ -78,7 +78,7 @@ void plan_steps_suite(const Registry& registry, const Options& options,
   for (const std::size_t particles : {100'000u, 1'000'000u, 4'000'000u})
     for (const Subject& subject : subjects(registry, options, true)) {
       // One step of 4 M particles takes the reference half a minute.
-      if (subject.solver == "reference" && particles > 1'000'000) continue;
+      if (subject.slow() && particles > 1'000'000) continue;
       for (const Deformation deformation : {Deformation::elastic, Deformation::plastic})
         plan_steps(registry, options, subject, deformation, particles, plans);
     }

@@ -1,17 +1,29 @@
 #include "bench/timing.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <optional>
 
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
 
 namespace firn::bench {
 
+std::string Subject::label() const {
+  // Cases are groups of a results file and words of a command line.
+  std::string label = solver.starts_with("./") ? solver.substr(2) : solver;
+  for (char& c : label)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '.' && c != ':' &&
+        c != '-')
+      c = '_';
+  return label;
+}
+
 std::string Subject::text() const {
-  return solver + "," + std::string(name(precision)) + "," + std::to_string(threads) + "T";
+  return label() + "," + std::string(name(precision)) + "," + std::to_string(threads) + "T";
 }
 
 std::unique_ptr<Solver> Subject::create(const Registry& registry) const {
@@ -24,20 +36,41 @@ void Subject::describe(results::Case& result) const {
   result.parameters.emplace_back("threads", static_cast<double>(threads));
 }
 
+namespace {
+
+/// A precision that a solver out of a family lacks is told by its refusal.
+std::optional<SolverTraits> traits_of(const Registry& registry, const std::string& solver,
+                                      Precision precision) {
+  const SolverEntry* entry = registry.find(solver);
+  if (entry == nullptr && precision != Precision::float64) {
+    try {
+      return registry.create(solver, {precision})->traits();
+    } catch (const InputError&) {
+      return {};
+    }
+  }
+  if (entry != nullptr && std::find(entry->precisions.begin(), entry->precisions.end(),
+                                    precision) == entry->precisions.end())
+    return {};
+  return registry.create(solver, {precision})->traits();
+}
+
+}  // namespace
+
 std::vector<Subject> subjects(const Registry& registry, const Options& options,
                               bool all_thread_counts) {
   const int most = options.max_threads > 0 ? options.max_threads : available_processors();
+  std::vector<std::string> solvers = options.solvers;
+  if (solvers.empty())
+    for (const SolverEntry& entry : registry.entries()) solvers.push_back(entry.name);
   std::vector<Subject> result;
-  for (const SolverEntry& entry : registry.entries()) {
-    const auto& wanted = options.solvers;
-    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), entry.name) == wanted.end())
-      continue;
-    for (const Precision precision : entry.precisions)
-      for (int threads = 1; threads <= most; threads *= 2) {
-        if (threads > 1 && (!all_thread_counts || entry.name == "reference")) break;
-        result.push_back({entry.name, precision, threads});
-      }
-  }
+  for (const std::string& solver : solvers)
+    for (const Precision precision : {Precision::float64, Precision::float32})
+      if (const auto traits = traits_of(registry, solver, precision))
+        for (int threads = 1; threads <= most; threads *= 2) {
+          if (threads > 1 && (!all_thread_counts || traits->pace != Pace::fast)) break;
+          result.push_back({solver, precision, threads, *traits});
+        }
   return result;
 }
 
@@ -107,7 +140,7 @@ struct Largest {
 void validate(const Registry& registry, const Subject& subject, Deformation deformation,
               std::uint64_t seed, results::Case& result) {
   const Workload work = block(8000, deformation, seed);
-  const Subject plain{"reference", Precision::float64, 1};
+  const Subject plain{"reference"};
   State mine, theirs;
   for (auto [who, state] : {std::pair{&subject, &mine}, std::pair{&plain, &theirs}}) {
     const auto solver = who->create(registry);

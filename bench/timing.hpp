@@ -15,14 +15,18 @@ struct Subject {
   std::string solver;
   Precision precision = Precision::float64;
   int threads = 1;
+  SolverTraits traits = {};  ///< of that solver
 
-  std::string text() const;  ///< "optimized,float,2T"
+  bool slow() const { return traits.pace != Pace::fast; }
+  std::string label() const;  ///< the solver's name as part of a case's name
+  std::string text() const;   ///< "optimized,float,2T"
   std::unique_ptr<Solver> create(const Registry& registry) const;
   void describe(results::Case& result) const;  ///< adds the three parameters
 };
 
 /// Every solver and precision that the options ask for, one thread; and with
-/// `all_thread_counts` also 2, 4, … up to the machine's, except for `reference`.
+/// `all_thread_counts` also 2, 4, … up to the machine's, except for those that a second
+/// thread does not help. Throws InputError for a solver that does not exist.
 std::vector<Subject> subjects(const Registry& registry, const Options& options,
                               bool all_thread_counts);
 

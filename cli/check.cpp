@@ -67,7 +67,7 @@ void add_check(CLI::App& app, Context& context) {
       "compares a solver with the reference stage by stage; names the first that diverges");
   auto arguments = std::make_shared<Arguments>();
   arguments->scene = add_scene_option(*verb);
-  arguments->solver = add_solver_option(*verb, "optimized");
+  arguments->solver = add_solver_option(*verb, context.registry, "optimized");
   verb->add_option("--against", arguments->against, "the solver that is taken to be right")
       ->capture_default_str();
   verb->add_option("--steps", arguments->steps, "steps to compare")->capture_default_str();

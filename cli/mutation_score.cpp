@@ -33,8 +33,7 @@ suite::Subject subject_of(const std::string& solver, const Registry& registry) {
   subject.create = [solver, &registry](int threads) {
     SolverOptions options;
     options.threads = threads;
-    return names_a_mutant(solver) ? make_mutant_solver(solver, options)
-                                  : registry.create(solver, options);
+    return registry.create(solver, options);
   };
   subject.create_reference = [&registry] { return registry.create("reference", {}); };
   return subject;

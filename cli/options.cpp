@@ -4,10 +4,7 @@
 
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
-#include "guests/guests.hpp"
 #include "io/scene/scene_file.hpp"
-#include "teach/exercises.hpp"
-#include "verification/mutants/mutants.hpp"
 
 namespace firn::cli {
 
@@ -45,27 +42,31 @@ SolverOptions SolverOption::settings(std::size_t particles) const {
     throw InputError("--threads", "number of threads", std::to_string(threads),
                      "1 to 1024, or 0 for as many as pay");
   options.threads = threads == 0 ? threads_worth_having(particles) : threads;
+  options.time_limit = time_limit;
   return options;
 }
 
 std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
                                              std::size_t particles) const {
-  if (teach::names_an_exercise(name)) return teach::make_exercise_solver(name, settings(particles));
-  if (names_a_mutant(name)) return make_mutant_solver(name, settings(particles));
-  if (!names_a_guest(name)) return registry.create(name, settings(particles));
-  GuestOptions guest;
-  guest.time_limit = time_limit;
-  return make_guest_solver(name, settings(particles), guest);
+  return registry.create(name, settings(particles));
 }
 
-std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver) {
+namespace {
+
+std::string help_of_solver(const Registry& registry) {
+  std::string text = "a name that `firn solvers` prints";
+  for (const SolverFamily& family : registry.families())
+    text += ", or \"" + family.form + "\": " + family.description;
+  return text;
+}
+
+}  // namespace
+
+std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const Registry& registry,
+                                                const std::string& default_solver) {
   auto option = std::make_shared<SolverOption>();
   option->name = default_solver;
-  verb.add_option("--solver", option->name,
-                  "a name that `firn solvers` prints, ./LIBRARY.so, \"exec:COMMAND {in} {out} "
-                  "{steps}\", or "
-                  "mutant:NAME, a wrong solver on purpose, or exercise:NUMBER of a lesson")
-      ->capture_default_str();
+  verb.add_option("--solver", option->name, help_of_solver(registry))->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,
                   "threads; 0 = one per 16384 particles, at most one per processor; the "

@@ -38,6 +38,7 @@ struct SolverOption {
 };
 
 /// --solver, --precision, --threads and --time-limit.
-std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const std::string& default_solver);
+std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const Registry& registry,
+                                                const std::string& default_solver);
 
 }  // namespace firn::cli

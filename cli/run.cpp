@@ -171,7 +171,7 @@ void add_run(CLI::App& app, Context& context) {
   arguments->scene = add_scene_option(*verb);
   verb->add_option("-o,--out", arguments->out,
                    "trajectory to write; default: SCENE.vtkhdf, or the file resumed from");
-  arguments->solver = add_solver_option(*verb, "optimized");
+  arguments->solver = add_solver_option(*verb, context.registry, "optimized");
   verb->add_option("--until", arguments->until, "end at this time [s] instead of the scene's");
   verb->add_option("--steps", arguments->steps,
                    "stop after this many steps; 0: the initial state only");

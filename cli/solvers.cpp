@@ -10,6 +10,11 @@ namespace firn::cli {
 
 namespace {
 
+std::string integrators(const SolverTraits& traits) {
+  if (!traits.semi_implicit) return "explicit";
+  return traits.explicit_euler ? "explicit,semi-implicit" : "semi-implicit";
+}
+
 std::vector<std::string_view> precisions(const SolverEntry& entry) {
   std::vector<std::string_view> names;
   for (const Precision p : entry.precisions) names.push_back(name(p));
@@ -22,7 +27,7 @@ void print_solvers(const Registry& registry, bool json) {
     for (const SolverEntry& entry : registry.entries()) {
       list.push_back({{"name", entry.name},
                       {"precisions", precisions(entry)},
-                      {"semi_implicit", entry.semi_implicit},
+                      {"semi_implicit", registry.traits(entry.name).semi_implicit},
                       {"description", entry.description}});
     }
     fmt::print("{}\n", list.dump(2));
@@ -31,7 +36,7 @@ void print_solvers(const Registry& registry, bool json) {
   for (const SolverEntry& entry : registry.entries())
     fmt::print("{:<12} {:<13} {:<23} {}\n", entry.name,
                fmt::format("{}", fmt::join(precisions(entry), ",")),
-               entry.semi_implicit ? "explicit,semi-implicit" : "explicit", entry.description);
+               integrators(registry.traits(entry.name)), entry.description);
 }
 
 /// "stage 3" or, for a mistake of several stages, "stage 3 …".

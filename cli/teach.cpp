@@ -60,9 +60,10 @@ nlohmann::ordered_json checks(const teach::Lesson& lesson, const Registry& regis
   };
   Scene semi_implicit = lesson.scene;
   semi_implicit.integrator.type = IntegratorType::semi_implicit;
+  const bool implicit = registry.traits("optimized").semi_implicit;
   for (const Precision precision : entry->precisions) {
-    if (entry->semi_implicit || !lesson.scene.semi_implicit()) add(lesson.scene, precision);
-    if (entry->semi_implicit && !lesson.scene.semi_implicit()) add(semi_implicit, precision);
+    if (implicit || !lesson.scene.semi_implicit()) add(lesson.scene, precision);
+    if (implicit && !lesson.scene.semi_implicit()) add(semi_implicit, precision);
   }
   return list;
 }

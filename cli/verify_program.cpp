@@ -45,14 +45,14 @@ suite::Subject subject_of(const SolverOption& option, const Registry& registry) 
   subject.threads = one.threads;
   subject.command = "firn verify --solver " + shell_word(one.name);
   if (one.precision != "double") subject.command += " --precision " + one.precision;
-  subject.slow = one.name.rfind("exec:", 0) == 0;
   subject.create = [one, &registry](int threads) {
     SolverOption with_threads = one;
     with_threads.threads = threads;
     return with_threads.create(registry, 1);
   };
   subject.create_reference = [&registry] { return registry.create("reference", {}); };
-  subject.create(subject.threads);  // a name that is none ends here
+  // A name that is none ends here.
+  subject.slow = subject.create(subject.threads)->traits().pace == Pace::process;
   return subject;
 }
 
@@ -122,8 +122,10 @@ int run_program(int argc, char** argv) {
       "how near the errors came to their bounds, VALID or INVALID, and for every failure the\n"
       "command that repeats it."};
   app.name("firn verify");
+  Registry registry;
+  register_solvers(registry);
   Arguments arguments;
-  arguments.solver = add_solver_option(app, "optimized");
+  arguments.solver = add_solver_option(app, registry, "optimized");
   app.add_option("--filter", arguments.run.filter,
                  "only these tests: TOPIC.TEST, with * and ?, several with ':'");
   app.add_flag("--long", arguments.run.long_studies,
@@ -139,8 +141,6 @@ int run_program(int argc, char** argv) {
                  "test the singular value decomposition of a shared library instead "
                  "(verification/suite/firn_svd.h)");
   app.footer("Exit status: 0 VALID; 1 INVALID; 2 bad input or usage; 130 interrupted.");
-  Registry registry;
-  register_solvers(registry);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

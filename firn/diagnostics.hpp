@@ -25,7 +25,7 @@ struct Diagnostics {
 };
 
 /// Measures `state` in a plain loop, with Eigen's SVD for the energy: the
-/// default of Solver::diagnostics() and an oracle for solvers that bring their
+/// default of Solver::diagnostics(), and an oracle for solvers that have their
 /// own. `grid_nodes`, `dt` and `solver_iterations` are left to the caller.
 Diagnostics measure(const Scene& scene, const State& state);
 

@@ -75,6 +75,10 @@ struct Scene {
   Vec3 wrap(const Vec3& x) const;
 };
 
+/// Throws InputError unless all arrays have one length and every material is one of the
+/// scene's: a state that was filled by hand or by another program may not be consistent.
+void require_consistent(const Scene& scene, const Particles& particles);
+
 /// The particles of every body in scene order at t = 0: positions, velocities
 /// including rotation, masses, and V_p0 where `volumes = "exact"` (0 elsewhere,
 /// for step 2 to estimate). Same bits on every machine and compiler.

@@ -13,17 +13,9 @@
 #include "firn/scene.hpp"
 #include "firn/stage.hpp"
 #include "firn/state.hpp"
+#include "firn/time_step.hpp"
 
 namespace firn {
-
-/// Which limit decided Δt.
-enum class TimeStepBound { fixed, max_step, cfl, elastic_cfl };
-std::string_view name(TimeStepBound bound);
-
-struct TimeStep {
-  double dt = 0;  ///< [s]
-  TimeStepBound bound = TimeStepBound::fixed;
-};
 
 /// What a whole step did.
 struct StepReport {
@@ -36,7 +28,14 @@ struct StepReport {
   bool solver_indefinite = false;  ///< negative curvature was met
 };
 
-/// What a solver can do. Whoever asks for more gets an InputError.
+/// How long a step takes, roughly: benchmarks and suites choose their scenes by it.
+enum class Pace {
+  fast,    ///< as the hardware allows
+  plain,   ///< a microsecond and more per particle, by design
+  process  ///< every step starts a program
+};
+
+/// What a solver is and can do. Whoever asks for more gets an InputError.
 struct SolverTraits {
   std::string name;  ///< as the registry knows it
   Precision precision = Precision::float64;
@@ -44,12 +43,13 @@ struct SolverTraits {
                                ///< ends with `positions`
   bool semi_implicit = false;  ///< supports semi-implicit scenes
   bool explicit_euler = true;  ///< supports explicit scenes
+  Pace pace = Pace::fast;
 };
 
 /// One simulation in one solver's own data layout.
 ///
-/// Life: load() a state, then any number of step()s or advance_through()s,
-/// store() whenever somebody wants to look. A solver is a function: the state
+/// load() a state, then call step() or advance_through() as often as you like, and
+/// store() whenever you want to look. A solver is a function: the state
 /// it reaches depends on what it was loaded with and on Δt, never on the number
 /// of threads or on what it did before.
 class Solver {
@@ -61,13 +61,13 @@ class Solver {
 
   virtual const SolverTraits& traits() const = 0;
 
-  /// Takes over a scene and a state. The state may stand between any two stages
-  /// at which this solver stops (State::next), so that `check` can hand over the
+  /// Takes over a scene, which outlives the simulation, and a state, which may stand between any
+  /// two stages at which this solver stops (State::next), so that `check` can hand over the
   /// reference's own input of every stage. Throws InputError if the scene asks
   /// for what the solver does not support.
   virtual void load(const Scene& scene, const State& state) = 0;
 
-  /// Δt by the scene's rule (method.md, "Time step") for the present state.
+  /// Δt by the scene's rule (firn/time_step.hpp) for the present state.
   virtual TimeStep choose_time_step() = 0;
 
   /// Runs every stage from the present one up to and including `last`, one of
@@ -83,9 +83,10 @@ class Solver {
   /// positive mass sorted by (i,j,k). Between steps the grid may be left empty.
   virtual void store(State& state) const = 0;
 
-  /// Diagnostics of the present state, between steps. `grid_nodes`, `dt` and
+  /// Diagnostics of the present state, between steps; `scene` is the one that was
+  /// loaded. The default stores the state and measures it. `grid_nodes`, `dt` and
   /// `solver_iterations` are filled by the caller from the StepReport.
-  virtual Diagnostics diagnostics() const;
+  virtual Diagnostics diagnostics(const Scene& scene) const;
 
   /// What a restart needs beyond State to repeat every bit: a particle order,
   /// digits that double does not hold. Fixed in size between load() and the
@@ -97,9 +98,6 @@ class Solver {
 
   /// Bytes of memory that the solver holds per particle, all in all; 0 = not counted.
   virtual double bytes_per_particle() const { return 0; }
-
- protected:
-  const Scene* scene_ = nullptr;  ///< set by load(); outlives the simulation
 };
 
 }  // namespace firn

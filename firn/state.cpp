@@ -1,36 +1,31 @@
 #include "firn/state.hpp"
 
+#include <cmath>
+
 namespace firn {
 
-namespace {
-
-template <class T>
-void append_to(std::vector<T>& to, const std::vector<T>& from) {
-  to.insert(to.end(), from.begin(), from.end());
-}
-
-}  // namespace
-
 void Particles::resize(std::size_t n) {
-  x.resize(n, Vec3::Zero());
-  v.resize(n, Vec3::Zero());
-  m.resize(n, 0.0);
-  V_0.resize(n, 0.0);
-  F_E.resize(n, Mat3::Identity());
-  F_P.resize(n, Mat3::Identity());
-  id.resize(n, 0);
-  material.resize(n, 0);
+  for_each_field([n]<class T>(const char*, std::vector<T>& array) { array.resize(n, blank<T>()); },
+                 *this);
 }
 
 void Particles::append(const Particles& other) {
-  append_to(x, other.x);
-  append_to(v, other.v);
-  append_to(m, other.m);
-  append_to(V_0, other.V_0);
-  append_to(F_E, other.F_E);
-  append_to(F_P, other.F_P);
-  append_to(id, other.id);
-  append_to(material, other.material);
+  for_each_field([](const char*, auto& to,
+                    const auto& from) { to.insert(to.end(), from.begin(), from.end()); },
+                 *this, other);
+}
+
+const char* not_finite(const Particles& particles, std::size_t p) {
+  const char* found = nullptr;
+  for_each_field(
+      [&]<class T>(const char* name, const std::vector<T>& array) {
+        bool finite = true;
+        for (int c = 0; c < components_of<T>; ++c)
+          finite = finite && std::isfinite(component(array[p], c));
+        if (found == nullptr && !finite) found = name;
+      },
+      particles);
+  return found;
 }
 
 void Grid::clear() { *this = Grid{}; }

@@ -3,7 +3,9 @@
 /// that computes in float converts at load() and store(), both exactly where
 /// its numbers are floats.
 
+#include <concepts>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "firn/stage.hpp"
@@ -33,6 +35,25 @@ struct Particles {
   void append(const Particles& other);
 };
 
+/// Calls visit(name, array…) for every array of Particles, with that array of each of
+/// `particles`: the one list of them. A new array is added here, and whoever copies,
+/// compares or checks particles has it.
+template <class Visit, class... P>
+requires(std::same_as<std::remove_const_t<P>, Particles>&&...) void for_each_field(
+    Visit&& visit, P&... particles) {
+  visit("x", particles.x...);
+  visit("v", particles.v...);
+  visit("m", particles.m...);
+  visit("V_0", particles.V_0...);
+  visit("F_E", particles.F_E...);
+  visit("F_P", particles.F_P...);
+  visit("id", particles.id...);
+  visit("material", particles.material...);
+}
+
+/// The array in which particle p has a NaN or an infinity, the first one; null if there is none.
+const char* not_finite(const Particles& particles, std::size_t p);
+
 /// Grid quantities at the nodes of positive mass, sorted by (i,j,k). Along a
 /// periodic axis indices lie in [0, period/h). Arrays that the stages run so
 /// far have not written are empty.
@@ -51,6 +72,44 @@ struct Grid {
   void clear();
 };
 
+/// The same for the values at nodes; `node` itself is not among them.
+template <class Visit, class... G>
+requires(std::same_as<std::remove_const_t<G>, Grid>&&...) void for_each_field(Visit&& visit,
+                                                                              G&... grids) {
+  visit("m", grids.m...);
+  visit("v", grids.v...);
+  visit("f", grids.f...);
+  visit("v_star", grids.v_star...);
+  visit("free_directions", grids.free_directions...);
+  visit("v_new", grids.v_new...);
+}
+
+/// Numbers in one entry of an array: 1, 3, or 9 row by row.
+template <class T>
+inline constexpr int components_of = std::same_as<T, Mat3>   ? 9
+                                     : std::same_as<T, Vec3> ? 3
+                                                             : 1;
+template <class T>
+double component(const T& entry, int c) {
+  if constexpr (std::same_as<T, Mat3>)
+    return entry(c / 3, c % 3);
+  else if constexpr (std::same_as<T, Vec3>)
+    return entry[c];
+  else
+    return static_cast<double>(entry);
+}
+
+/// What an entry of an array is where nothing is known yet: 0, at rest, undeformed, free.
+template <class T>
+T blank() {
+  if constexpr (std::same_as<T, Mat3>)
+    return Mat3::Identity();
+  else if constexpr (std::same_as<T, Vec3>)
+    return Vec3::Zero();
+  else
+    return T{};
+}
+
 /// A simulation at a boundary between two stages.
 struct State {
   double time = 0;                ///< tⁿ, start of the step [s]; advances with stage 10
@@ -60,5 +119,25 @@ struct State {
   Particles particles;
   Grid grid;  ///< meaningful inside a step; the last step's fields, or empty, between steps
 };
+
+/// visit(array) with the array that a field names.
+template <class S, class Visit>
+requires std::same_as<std::remove_const_t<S>, State>
+decltype(auto) visit_field(S& state, Field field, Visit&& visit) {
+  switch (field) {
+    case Field::node_mass: return visit(state.grid.m);
+    case Field::node_velocity: return visit(state.grid.v);
+    case Field::node_force: return visit(state.grid.f);
+    case Field::node_velocity_star: return visit(state.grid.v_star);
+    case Field::node_free_directions: return visit(state.grid.free_directions);
+    case Field::node_velocity_new: return visit(state.grid.v_new);
+    case Field::particle_volume: return visit(state.particles.V_0);
+    case Field::particle_F_E: return visit(state.particles.F_E);
+    case Field::particle_F_P: return visit(state.particles.F_P);
+    case Field::particle_velocity: return visit(state.particles.v);
+    case Field::particle_position: break;
+  }
+  return visit(state.particles.x);
+}
 
 }  // namespace firn

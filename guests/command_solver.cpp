@@ -81,9 +81,8 @@ std::vector<std::string> split_command(const std::string& command) {
   return words;
 }
 
-CommandSolver::CommandSolver(const std::string& command, const SolverOptions& options,
-                             const GuestOptions& guest_options)
-    : words_(split_command(command)), guest_options_(guest_options) {
+CommandSolver::CommandSolver(const std::string& command, const SolverOptions& options)
+    : words_(split_command(command)), time_limit_(options.time_limit) {
   require_placeholders(command);
   if (!is_program(words_.front()))
     throw InputError("--solver", "program to run", words_.front(),
@@ -91,6 +90,7 @@ CommandSolver::CommandSolver(const std::string& command, const SolverOptions& op
   traits_.name = "exec:" + command;
   traits_.precision = options.precision;
   traits_.stops = {Stage::positions};
+  traits_.pace = Pace::process;
   traits_.semi_implicit = true;  // the scene tells it; what it makes of it is judged
   folder_ = make_folder();
 }
@@ -109,7 +109,9 @@ void CommandSolver::load(const Scene& scene, const State& state) {
   state_.grid.clear();
 }
 
-TimeStep CommandSolver::choose_time_step() { return time_step_by_rule(*scene_, state_.particles); }
+TimeStep CommandSolver::choose_time_step() {
+  return guest::choose_time_step(*scene_, state_.particles);
+}
 
 StepReport CommandSolver::advance_through(Stage last, double dt) {
   if (last != Stage::positions)
@@ -122,9 +124,9 @@ StepReport CommandSolver::advance_through(Stage last, double dt) {
   return report;
 }
 
-Diagnostics CommandSolver::diagnostics() const {
+Diagnostics CommandSolver::diagnostics(const Scene& scene) const {
   if (const auto fault = not_finite(state_.particles)) fail(*fault);
-  return measure(*scene_, state_);
+  return measure(scene, state_);
 }
 
 void CommandSolver::write_input(double dt) const {
@@ -156,8 +158,8 @@ void CommandSolver::run_command() const {
   // One state, with room for whatever else the guest keeps.
   options.most_bytes = (std::uint64_t{1} << 30) + 4096 * state_.particles.size();
   ChildProcess process(words, options);
-  if (!process.wait_until(deadline_after(guest_options_.time_limit)))
-    fail("did not end within " + to_text(guest_options_.time_limit) + " s");
+  if (!process.wait_until(deadline_after(time_limit_)))
+    fail("did not end within " + to_text(time_limit_) + " s");
   if (!process.succeeded()) fail("ended: " + process.how_it_ended());
 }
 
@@ -179,7 +181,7 @@ void CommandSolver::read_output(double dt) {
 }
 
 State CommandSolver::read_trajectory(const std::filesystem::path& path) const {
-  const double limit = guest_options_.time_limit;
+  const double limit = time_limit_;
   const std::size_t particles = state_.particles.size();
   RunnerProcess reader({"--read", path.string(), std::to_string(particles)});
   try {

@@ -5,8 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "firn/solver.hpp"
-#include "guests/guests.hpp"
+#include "firn/registry.hpp"
 
 namespace firn::guest {
 
@@ -16,8 +15,7 @@ namespace firn::guest {
 /// file is read in a process of its own: HDF5 may crash on bytes that are none.
 class CommandSolver : public Solver {
  public:
-  CommandSolver(const std::string& command, const SolverOptions& options,
-                const GuestOptions& guest_options);
+  CommandSolver(const std::string& command, const SolverOptions& options);
   ~CommandSolver() override;
 
   const SolverTraits& traits() const override { return traits_; }
@@ -25,7 +23,7 @@ class CommandSolver : public Solver {
   TimeStep choose_time_step() override;
   StepReport advance_through(Stage last, double dt) override;
   void store(State& state) const override { state = state_; }
-  Diagnostics diagnostics() const override;
+  Diagnostics diagnostics(const Scene& scene) const override;
 
  private:
   void write_input(double dt) const;
@@ -35,8 +33,9 @@ class CommandSolver : public Solver {
   [[noreturn]] void fail(const std::string& what) const;
 
   std::vector<std::string> words_;
-  GuestOptions guest_options_;
+  double time_limit_;  ///< for one answer [s]
   SolverTraits traits_;
+  const Scene* scene_ = nullptr;
   State state_;
   std::filesystem::path folder_;  ///< of its own, removed at the end
 };

@@ -8,7 +8,7 @@
 
 namespace firn::guest {
 
-/// "gave a velocity of particle 3 that is not finite", or nothing.
+/// "gave v of particle 3 that is not finite", or nothing.
 std::optional<std::string> not_finite(const Particles& particles);
 
 }  // namespace firn::guest

@@ -10,26 +10,35 @@ namespace firn {
 
 namespace {
 
-constexpr const char* command_prefix = "exec:";
+const std::string command_prefix = "exec:";
 
-bool is_command(const std::string& solver) { return solver.rfind(command_prefix, 0) == 0; }
+void require_time_limit(const SolverOptions& options) {
+  if (!(options.time_limit > 0) || !std::isfinite(options.time_limit))
+    throw InputError("--time-limit", "seconds for an answer of a guest",
+                     to_text(options.time_limit), "above 0");
+}
 
 }  // namespace
 
-bool names_a_guest(const std::string& solver) {
-  const bool ends_in_so = solver.size() > 3 && solver.compare(solver.size() - 3, 3, ".so") == 0;
-  return is_command(solver) || ends_in_so || solver.find('/') != std::string::npos;
+SolverFamily command_guests() {
+  return {"exec:COMMAND {in} {out} {steps}", "a command that reads and writes trajectories",
+          begins_with(command_prefix), [](const std::string& name, const SolverOptions& options) {
+            require_time_limit(options);
+            return std::make_unique<guest::CommandSolver>(name.substr(command_prefix.size()),
+                                                          options);
+          }};
 }
 
-std::unique_ptr<Solver> make_guest_solver(const std::string& solver, const SolverOptions& options,
-                                          const GuestOptions& guest_options) {
-  if (!(guest_options.time_limit > 0) || !std::isfinite(guest_options.time_limit))
-    throw InputError("--time-limit", "seconds for an answer of a guest",
-                     to_text(guest_options.time_limit), "above 0");
-  if (is_command(solver))
-    return std::make_unique<guest::CommandSolver>(solver.substr(std::string(command_prefix).size()),
-                                                  options, guest_options);
-  return std::make_unique<guest::LibrarySolver>(solver, options, guest_options);
+SolverFamily library_guests() {
+  const auto is_library = [](const std::string& name) {
+    const bool ends_in_so = name.size() > 3 && name.ends_with(".so");
+    return ends_in_so || name.find('/') != std::string::npos;
+  };
+  return {"./LIBRARY.so", "a shared library with the C ABI of firn/firn_guest.h", is_library,
+          [](const std::string& name, const SolverOptions& options) {
+            require_time_limit(options);
+            return std::make_unique<guest::LibrarySolver>(name, options);
+          }};
 }
 
 }  // namespace firn

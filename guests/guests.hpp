@@ -7,24 +7,15 @@
 ///     exec:python3 mine.py {in} {out} {steps}        any command that reads and writes
 ///     trajectories
 
-#include <memory>
-#include <string>
-
 #include "firn/registry.hpp"
-#include "firn/solver.hpp"
 
 namespace firn {
 
-struct GuestOptions {
-  double time_limit = 60;  ///< for each answer of the guest [s], > 0
-};
+/// "exec:COMMAND {in} {out} {steps}".
+SolverFamily command_guests();
 
-/// True for what names a guest rather than a registered solver: the prefix
-/// "exec:", a path with a '/', or the ending ".so".
-bool names_a_guest(const std::string& solver);
-
-/// Throws InputError if it cannot be started or says that it lacks the precision.
-std::unique_ptr<Solver> make_guest_solver(const std::string& solver, const SolverOptions& options,
-                                          const GuestOptions& guest_options = {});
+/// "./LIBRARY.so": any path with a '/', and any name that ends in ".so". A library that cannot
+/// be started or lacks the precision is an InputError.
+SolverFamily library_guests();
 
 }  // namespace firn

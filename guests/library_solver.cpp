@@ -21,14 +21,16 @@ void require_shape(const State& state, std::size_t particles, std::size_t materi
   const auto require = [&](bool right, const char* what) {
     if (!right) throw ChannelError(ChannelError::Reason::malformed, who + " gave " + what);
   };
-  require(p.x.size() == particles && p.v.size() == particles && p.m.size() == particles &&
-              p.V_0.size() == particles && p.F_E.size() == particles && p.F_P.size() == particles &&
-              p.id.size() == particles && p.material.size() == particles,
-          "particle arrays of the wrong length");
-  const auto fits = [&](std::size_t size) { return size == 0 || size == g.size(); };
-  require(fits(g.m.size()) && fits(g.v.size()) && fits(g.f.size()) && fits(g.v_star.size()) &&
-              fits(g.free_directions.size()) && fits(g.v_new.size()),
-          "node arrays of different lengths");
+  for_each_field(
+      [&](const char*, const auto& array) {
+        require(array.size() == particles, "particle arrays of the wrong length");
+      },
+      p);
+  for_each_field(
+      [&](const char*, const auto& array) {
+        require(array.empty() || array.size() == g.size(), "node arrays of different lengths");
+      },
+      g);
   for (const std::int32_t material : p.material)
     require(material >= 0 && static_cast<std::size_t>(material) < materials,
             "a particle a material that does not exist");
@@ -36,11 +38,8 @@ void require_shape(const State& state, std::size_t particles, std::size_t materi
 
 }  // namespace
 
-LibrarySolver::LibrarySolver(std::string path, const SolverOptions& options,
-                             const GuestOptions& guest_options)
-    : path_(std::filesystem::absolute(path).string()),
-      options_(options),
-      guest_options_(guest_options) {
+LibrarySolver::LibrarySolver(std::string path, const SolverOptions& options)
+    : path_(std::filesystem::absolute(path).string()), options_(options) {
   if (!std::filesystem::is_regular_file(path_))
     throw InputError("--solver", "shared library", path, "an existing file");
   start();
@@ -110,7 +109,7 @@ TimeStep LibrarySolver::choose_time_step() {
   if (!chooses_time_step_) {
     State state;
     store(state);
-    return time_step_by_rule(*scene_, state.particles);
+    return guest::choose_time_step(*scene_, state.particles);
   }
   try {
     Packet answer = ask(Packet(Kind::choose_time_step), Stage::rasterize);
@@ -157,17 +156,17 @@ void LibrarySolver::store(State& state) const {
   }
 }
 
-Diagnostics LibrarySolver::diagnostics() const {
+Diagnostics LibrarySolver::diagnostics(const Scene& scene) const {
   State state;
   store(state);
   if (const auto fault = not_finite(state.particles)) fail(Stage::positions, *fault);
-  return measure(*scene_, state);
+  return measure(scene, state);
 }
 
 Packet LibrarySolver::ask(const Packet& question, Stage stage) const {
   if (!process_.running()) fail(stage, "is not running any more");
   try {
-    Packet answer = process_.ask(question, guest_options_.time_limit, largest_packet(particles_));
+    Packet answer = process_.ask(question, options_.time_limit, largest_packet(particles_));
     if (answer.kind == Kind::failure)  // it said so itself; its process is sound
       throw SimulationError(stage, SimulationError::Subject::solver, -1,
                             "guest " + path_ + ": " + one_line(answer.get_text(), 500));
@@ -178,7 +177,7 @@ Packet LibrarySolver::ask(const Packet& question, Stage stage) const {
 }
 
 void LibrarySolver::blame(const ChannelError& error, Stage stage) const {
-  fail(stage, process_.what_happened(error, guest_options_.time_limit));
+  fail(stage, process_.what_happened(error, options_.time_limit));
 }
 
 void LibrarySolver::fail(Stage stage, const std::string& what) const {

@@ -4,15 +4,14 @@
 #include <memory>
 #include <string>
 
-#include "firn/solver.hpp"
-#include "guests/guests.hpp"
+#include "firn/registry.hpp"
 #include "guests/runner_process.hpp"
 
 namespace firn::guest {
 
 class LibrarySolver : public Solver {
  public:
-  LibrarySolver(std::string path, const SolverOptions& options, const GuestOptions& guest_options);
+  LibrarySolver(std::string path, const SolverOptions& options);
   ~LibrarySolver() override;
 
   const SolverTraits& traits() const override { return traits_; }
@@ -20,7 +19,7 @@ class LibrarySolver : public Solver {
   TimeStep choose_time_step() override;
   StepReport advance_through(Stage last, double dt) override;
   void store(State& state) const override;
-  Diagnostics diagnostics() const override;
+  Diagnostics diagnostics(const Scene& scene) const override;
 
  private:
   void start();
@@ -31,8 +30,8 @@ class LibrarySolver : public Solver {
 
   std::string path_;
   SolverOptions options_;
-  GuestOptions guest_options_;
   SolverTraits traits_;
+  const Scene* scene_ = nullptr;
   std::size_t particles_ = 0;
   Stage next_ = Stage::rasterize;
   bool chooses_time_step_ = false;

@@ -101,24 +101,11 @@ void put_state(Packet& packet, const State& state) {
   packet.put(state.dt);
   packet.put(state.step);
   packet.put(static_cast<std::int32_t>(number(state.next)));
-  const Particles& p = state.particles;
   // Vec3 and Mat3 are plain arrays of doubles; both ends share their layout.
-  packet.put_all(p.x);
-  packet.put_all(p.v);
-  packet.put_all(p.m);
-  packet.put_all(p.V_0);
-  packet.put_all(p.F_E);
-  packet.put_all(p.F_P);
-  packet.put_all(p.id);
-  packet.put_all(p.material);
-  const Grid& g = state.grid;
-  packet.put_all(g.node);
-  packet.put_all(g.m);
-  packet.put_all(g.v);
-  packet.put_all(g.f);
-  packet.put_all(g.v_star);
-  packet.put_all(g.free_directions);
-  packet.put_all(g.v_new);
+  const auto put = [&](const char*, const auto& array) { packet.put_all(array); };
+  for_each_field(put, state.particles);
+  packet.put_all(state.grid.node);
+  for_each_field(put, state.grid);
 }
 
 State get_state(Packet& packet) {
@@ -130,23 +117,10 @@ State get_state(Packet& packet) {
   if (next_stage < 1 || next_stage > stage_count)
     throw ChannelError(ChannelError::Reason::malformed, "a stage that does not exist");
   state.next = static_cast<Stage>(next_stage);
-  Particles& p = state.particles;
-  packet.get_all(p.x);
-  packet.get_all(p.v);
-  packet.get_all(p.m);
-  packet.get_all(p.V_0);
-  packet.get_all(p.F_E);
-  packet.get_all(p.F_P);
-  packet.get_all(p.id);
-  packet.get_all(p.material);
-  Grid& g = state.grid;
-  packet.get_all(g.node);
-  packet.get_all(g.m);
-  packet.get_all(g.v);
-  packet.get_all(g.f);
-  packet.get_all(g.v_star);
-  packet.get_all(g.free_directions);
-  packet.get_all(g.v_new);
+  const auto get = [&](const char*, auto& array) { packet.get_all(array); };
+  for_each_field(get, state.particles);
+  packet.get_all(state.grid.node);
+  for_each_field(get, state.grid);
   return state;
 }
 
@@ -159,9 +133,14 @@ void send(int socket, const Packet& packet, Clock::time_point deadline) {
 }
 
 std::uint64_t largest_packet(std::size_t particles) {
+  const State none;
   constexpr std::uint64_t scene_text = std::uint64_t{64} << 20;
-  constexpr std::uint64_t particle = (3 + 3 + 1 + 1 + 9 + 9 + 1 + 1) * 8;
-  constexpr std::uint64_t node = (2 + 1 + 3 + 3 + 3 + 9 + 3) * 8;
+  std::uint64_t particle = 0, node = sizeof(NodeIndex);
+  const auto add_to = [](std::uint64_t& bytes) {
+    return [&bytes]<class T>(const char*, const std::vector<T>&) { bytes += sizeof(T); };
+  };
+  for_each_field(add_to(particle), none.particles);
+  for_each_field(add_to(node), none.grid);
   return scene_text + (particles + 1) * (particle + 64 * node);
 }
 

@@ -135,23 +135,20 @@ void transpose(State& s) {
 State poisoned(const State& loaded, std::size_t nodes) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   State s;
-  const std::size_t n = loaded.particles.size();
-  s.particles.resize(n);
+  s.particles.resize(loaded.particles.size());
+  s.grid.node.resize(nodes);
+  const auto poison = [nan](std::size_t n) {
+    return [n, nan]<class T>(const char*, std::vector<T>& array) {
+      if constexpr (std::is_same_v<T, double>)
+        array.assign(n, nan);
+      else if constexpr (!std::is_integral_v<T>)
+        array.assign(n, T::Constant(nan));
+    };
+  };
+  for_each_field(poison(s.particles.size()), s.particles);
+  for_each_field(poison(nodes), s.grid);
   s.particles.id = loaded.particles.id;
   s.particles.material = loaded.particles.material;
-  s.particles.x.assign(n, Vec3::Constant(nan));
-  s.particles.v.assign(n, Vec3::Constant(nan));
-  s.particles.m.assign(n, nan);
-  s.particles.V_0.assign(n, nan);
-  s.particles.F_E.assign(n, Mat3::Constant(nan));
-  s.particles.F_P.assign(n, Mat3::Constant(nan));
-  s.grid.node.resize(nodes);
-  s.grid.m.assign(nodes, nan);
-  s.grid.v.assign(nodes, Vec3::Constant(nan));
-  s.grid.f.assign(nodes, Vec3::Constant(nan));
-  s.grid.v_star.assign(nodes, Vec3::Constant(nan));
-  s.grid.free_directions.assign(nodes, Mat3::Constant(nan));
-  s.grid.v_new.assign(nodes, Vec3::Constant(nan));
   return s;
 }
 

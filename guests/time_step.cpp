@@ -1,6 +1,7 @@
 #include "guests/time_step.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace firn::guest {
@@ -17,21 +18,14 @@ double sound_speed(const Scene& scene, const Particles& particles, std::size_t p
 
 }  // namespace
 
-TimeStep time_step_by_rule(const Scene& scene, const Particles& particles) {
-  const TimeSettings& time = scene.time;
-  if (!time.adaptive) return {time.step, TimeStepBound::fixed};
-  TimeStep chosen{time.max_step, TimeStepBound::max_step};
-  // A NaN passes no comparison: it is for whoever judges the state to find.
-  const auto limit = [&](double dt, TimeStepBound bound) {
-    if (dt < chosen.dt) chosen = {dt, bound};
-  };
+TimeStep choose_time_step(const Scene& scene, const Particles& particles) {
+  // A NaN does not compare: whoever judges the state finds it.
+  double fastest_particle = 0, fastest_sound = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) {
-    limit(time.cfl * scene.grid.spacing / particles.v[p].norm(), TimeStepBound::cfl);
-    if (!scene.semi_implicit())
-      limit(time.elastic_cfl * scene.grid.spacing / sound_speed(scene, particles, p),
-            TimeStepBound::elastic_cfl);
+    fastest_particle = std::max(fastest_particle, particles.v[p].norm());
+    fastest_sound = std::max(fastest_sound, sound_speed(scene, particles, p));
   }
-  return chosen;
+  return time_step_by_rule(scene, fastest_particle, fastest_sound);
 }
 
 }  // namespace firn::guest

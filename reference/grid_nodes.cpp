@@ -8,36 +8,21 @@
 
 namespace firn::reference {
 
-namespace {
-
-/// Calls visit(array) for each array of values at nodes.
-template <class GridType, class Visit>
-void for_each_field(GridType& grid, Visit&& visit) {
-  visit(grid.m);
-  visit(grid.v);
-  visit(grid.f);
-  visit(grid.v_star);
-  visit(grid.free_directions);
-  visit(grid.v_new);
-}
-
-}  // namespace
-
 std::int64_t nodes_of_positive_mass(const Grid& grid) {
   return std::count_if(grid.m.begin(), grid.m.end(), [](double m_i) { return m_i > 0; });
 }
 
 void drop_massless_nodes(Grid& grid) {
   const std::vector<double> m = grid.m;
-  const auto drop = [&](auto& values) {
+  const auto drop = [&](const char*, auto& values) {
     if (values.empty()) return;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < m.size(); ++i)
       if (m[i] > 0) values[kept++] = values[i];
     values.erase(values.begin() + static_cast<std::ptrdiff_t>(kept), values.end());
   };
-  drop(grid.node);
-  for_each_field(grid, drop);
+  drop("node", grid.node);
+  for_each_field(drop, grid);
 }
 
 Grid spread_over(const std::vector<NodeIndex>& node, const Grid& grid) {
@@ -52,30 +37,26 @@ Grid spread_over(const std::vector<NodeIndex>& node, const Grid& grid) {
   }
   Grid result;
   result.node = node;
-  const auto spread = [&](const auto& from, auto& to, const auto& nothing) {
-    if (from.empty()) return;
-    if (from.size() != place.size())
-      throw InputError("state", "values at nodes", std::to_string(from.size()),
-                       std::to_string(place.size()) + ", the number of nodes");
-    to.assign(node.size(), nothing);
-    for (std::size_t i = 0; i < place.size(); ++i) to[place[i]] = from[i];
-  };
-  const Vec3 zero = Vec3::Zero();
-  const Mat3 free = Mat3::Identity();
-  spread(grid.m, result.m, 0.0);
-  spread(grid.v, result.v, zero);
-  spread(grid.f, result.f, zero);
-  spread(grid.v_star, result.v_star, zero);
-  spread(grid.free_directions, result.free_directions, free);
-  spread(grid.v_new, result.v_new, zero);
+  for_each_field(
+      [&]<class T>(const char*, const std::vector<T>& from, std::vector<T>& to) {
+        if (from.empty()) return;
+        if (from.size() != place.size())
+          throw InputError("state", "values at nodes", std::to_string(from.size()),
+                           std::to_string(place.size()) + ", the number of nodes");
+        to.assign(node.size(), blank<T>());
+        for (std::size_t i = 0; i < place.size(); ++i) to[place[i]] = from[i];
+      },
+      grid, result);
   return result;
 }
 
 double bytes(const Grid& grid) {
   double sum = static_cast<double>(grid.node.capacity() * sizeof(NodeIndex));
-  for_each_field(grid, [&](const auto& values) {
-    sum += static_cast<double>(values.capacity() * sizeof(values[0]));
-  });
+  for_each_field(
+      [&](const char*, const auto& values) {
+        sum += static_cast<double>(values.capacity() * sizeof(values[0]));
+      },
+      grid);
   return sum;
 }
 

@@ -18,32 +18,14 @@ const SolverTraits& ReferenceSolver::traits() const {
     t.precision = Precision::float64;
     t.stops.assign(all_stages.begin(), all_stages.end());
     t.semi_implicit = true;
+    t.pace = Pace::plain;
     return t;
   }();
   return traits;
 }
 
-namespace {
-
-/// A state filled by hand or by another program may not be one.
-void require_valid(const Scene& scene, const State& state) {
-  const Particles& p = state.particles;
-  const std::size_t n = p.size();
-  if (p.v.size() != n || p.m.size() != n || p.V_0.size() != n || p.F_E.size() != n ||
-      p.F_P.size() != n || p.id.size() != n || p.material.size() != n)
-    throw InputError("state", "particle arrays of different lengths", std::to_string(p.v.size()),
-                     std::to_string(n) + ", the number of positions");
-  const auto materials = static_cast<std::int32_t>(scene.materials.size());
-  for (const std::int32_t material : p.material)
-    if (material < 0 || material >= materials)
-      throw InputError("state", "material of a particle", std::to_string(material),
-                       "0 .. " + std::to_string(materials - 1));
-}
-
-}  // namespace
-
 void ReferenceSolver::load(const Scene& scene, const State& state) {
-  require_valid(scene, state);
+  require_consistent(scene, state.particles);
   scene_ = &scene;
   state_ = state;
   if (state_.next == Stage::rasterize) state_.grid.clear();
@@ -137,7 +119,9 @@ void ReferenceSolver::store(State& state) const {
   drop_massless_nodes(state.grid);
 }
 
-Diagnostics ReferenceSolver::diagnostics() const { return reference::measure(*scene_, state_); }
+Diagnostics ReferenceSolver::diagnostics(const Scene& scene) const {
+  return reference::measure(scene, state_);
+}
 
 double ReferenceSolver::bytes_per_particle() const {
   const double n = static_cast<double>(state_.particles.size());
@@ -162,7 +146,6 @@ SolverEntry reference_entry() {
   return {"reference",
           "the paper's steps one by one: plain, sequential, double precision",
           {Precision::float64},
-          true,
           make_reference_solver};
 }
 

@@ -17,7 +17,7 @@ class ReferenceSolver final : public Solver {
   TimeStep choose_time_step() override;
   StepReport advance_through(Stage last, double dt) override;
   void store(State& state) const override;
-  Diagnostics diagnostics() const override;
+  Diagnostics diagnostics(const Scene& scene) const override;
   double bytes_per_particle() const override;
 
  private:
@@ -27,6 +27,7 @@ class ReferenceSolver final : public Solver {
   /// Stencils and the working grid for a state that was loaded in the middle of a step.
   void resume_step();
 
+  const Scene* scene_ = nullptr;
   /// Its grid holds every node within reach of a particle, also those of zero
   /// mass, as soon as a stage has run.
   State state_;

@@ -37,18 +37,9 @@ double fastest_sound(const Scene& scene, const Particles& particles) {
 }  // namespace
 
 TimeStep choose_time_step(const Scene& scene, const Particles& particles) {
-  const TimeSettings& time = scene.time;
-  if (!time.adaptive) return {time.step, TimeStepBound::fixed};
-
-  TimeStep result{time.max_step, TimeStepBound::max_step};
-  const auto limit = [&](double dt, TimeStepBound bound) {
-    if (dt < result.dt) result = {dt, bound};
-  };
-  const double h = scene.grid.spacing;
-  limit(time.cfl * h / fastest_particle(particles), TimeStepBound::cfl);
-  if (!scene.semi_implicit())
-    limit(time.elastic_cfl * h / fastest_sound(scene, particles), TimeStepBound::elastic_cfl);
-  return result;
+  if (!scene.time.adaptive) return time_step_by_rule(scene, 0, 0);
+  const double sound = scene.semi_implicit() ? 0 : fastest_sound(scene, particles);
+  return time_step_by_rule(scene, fastest_particle(particles), sound);
 }
 
 }  // namespace firn::reference

@@ -2,13 +2,13 @@
 /// The scene's rule for Δt.
 
 #include "firn/scene.hpp"
-#include "firn/solver.hpp"
 #include "firn/state.hpp"
+#include "firn/time_step.hpp"
 
 namespace firn::reference {
 
-/// Δt = min(max_step, cfl·h/max‖v_p‖, elastic_cfl·h/max c_p), or the fixed step,
-/// and which bound held. The last term is the hardened elastic sound speed,
+/// Δt by the scene's rule (firn/time_step.hpp) and which bound held. The sound speed is that
+/// of the hardened snow,
 ///
 ///     c_p = √((λ_p + 2μ_p)/ρ_p),   ρ_p = m_p/V_p0      [m/s]
 ///

@@ -30,8 +30,7 @@ SimulationError not_finite(const Solver& solver, const std::string& quantity) {
   solver.store(state);
   const Particles& p = state.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    if (p.x[i].allFinite() && p.v[i].allFinite() && p.F_E[i].allFinite() && p.F_P[i].allFinite())
-      continue;
+    if (firn::not_finite(p, i) == nullptr) continue;
     return SimulationError(
         Stage::positions, SimulationError::Subject::particle, static_cast<std::int64_t>(i),
         "not finite after the step (" + quantity + " of the diagnostics is not)");
@@ -54,7 +53,7 @@ void require_finite(const Solver& solver, const DiagnosticsRow& row) {
 RunResult Run::operator()() {
   start();
   try {
-    result_.diagnostics = {solver_.diagnostics()};
+    result_.diagnostics = {solver_.diagnostics(scene_)};
     result_.diagnostics.time = time_;
     run_to_the_end();
     if (step_ != last_frame_step_) write_frame();
@@ -128,7 +127,7 @@ void Run::step(double dt) {
     throw error;
   }
   const StepReport report = solver_.step(dt);
-  DiagnosticsRow row{solver_.diagnostics()};
+  DiagnosticsRow row{solver_.diagnostics(scene_)};
   row.time = time_ + dt;
   row.dt = dt;
   row.grid_nodes = report.grid_nodes;

@@ -1,5 +1,5 @@
 #pragma once
-/// The composition root: the one place that names the concrete solvers.
+/// The composition root: the one place that names the concrete solvers and families.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace firn {
 
-/// Adds every solver that comes with Firn.
+/// Adds every solver that comes with Firn, and the families: mutants, exercises, guests.
 void register_solvers(Registry& registry);
 
 /// The instruction set that the optimized solver uses: "SSE4", "AVX2", "AVX3", "NEON".

@@ -20,17 +20,14 @@ class Masked final : public Solver {
     traits_.name = std::move(name);
   }
   const SolverTraits& traits() const override { return traits_; }
-  void load(const Scene& scene, const State& state) override {
-    scene_ = &scene;
-    solver_->load(scene, state);
-  }
+  void load(const Scene& scene, const State& state) override { solver_->load(scene, state); }
   TimeStep choose_time_step() override { return solver_->choose_time_step(); }
   StepReport advance_through(Stage last, double dt) override {
     return solver_->advance_through(last, dt);
   }
   StepReport step(double dt) override { return solver_->step(dt); }
   void store(State& state) const override { solver_->store(state); }
-  Diagnostics diagnostics() const override { return solver_->diagnostics(); }
+  Diagnostics diagnostics(const Scene& scene) const override { return solver_->diagnostics(scene); }
   std::size_t restart_size() const override { return solver_->restart_size(); }
   void store_restart(std::span<std::byte> bytes) const override { solver_->store_restart(bytes); }
   void load_restart(std::span<const std::byte> bytes) override { solver_->load_restart(bytes); }
@@ -55,10 +52,9 @@ const std::vector<Exercise>& exercises() {
   return list;
 }
 
-bool names_an_exercise(const std::string& solver) { return solver.rfind(prefix, 0) == 0; }
+namespace {
 
-std::unique_ptr<Solver> make_exercise_solver(const std::string& solver,
-                                             const SolverOptions& options) {
+std::unique_ptr<Solver> make_exercise(const std::string& solver, const SolverOptions& options) {
   const std::string text = solver.substr(prefix.size());
   char* end = nullptr;
   const long number = std::strtol(text.c_str(), &end, 10);
@@ -70,7 +66,14 @@ std::unique_ptr<Solver> make_exercise_solver(const std::string& solver,
   }
   std::string mutant = "mutant:";
   mutant.append(exercises()[static_cast<std::size_t>(number - 1)].mutant);
-  return std::make_unique<Masked>(solver, make_mutant_solver(mutant, options));
+  return std::make_unique<Masked>(solver, mutant_family().create(mutant, options));
+}
+
+}  // namespace
+
+SolverFamily exercise_family() {
+  return {"exercise:NUMBER", "a planted bug of a lesson", begins_with(std::string(prefix)),
+          make_exercise};
 }
 
 }  // namespace firn::teach

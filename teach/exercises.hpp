@@ -20,11 +20,7 @@ struct Exercise {
 /// Exercise N is element N − 1, in an order that has nothing to do with the stages.
 const std::vector<Exercise>& exercises();
 
-/// True for "exercise:…".
-bool names_an_exercise(const std::string& solver);
-
-/// The mutant of "exercise:N" under that name. Throws InputError for any other N.
-std::unique_ptr<Solver> make_exercise_solver(const std::string& solver,
-                                             const SolverOptions& options);
+/// "exercise:N", the mutant of that exercise under a name that does not tell.
+SolverFamily exercise_family();
 
 }  // namespace firn::teach

@@ -122,7 +122,7 @@ std::string try_steps(const Scene& scene, const State& start, double dt, int ste
   } catch (const SimulationError& error) {
     return error.what();
   }
-  result = solver->diagnostics();
+  result = solver->diagnostics(scene);
   return "";
 }
 
@@ -167,10 +167,10 @@ Lesson make_lesson(const Scene& scene, const LessonOptions& options) {
   const auto solver = make_reference_solver({});
   State between = found.start;
   solver->load(scene, between);
-  lesson.before = solver->diagnostics();
+  lesson.before = solver->diagnostics(scene);
   between = lesson.record.after.back();
   solver->load(scene, between);
-  lesson.after = solver->diagnostics();
+  lesson.after = solver->diagnostics(scene);
 
   const Choice particle = options.particle ? given_particle(lesson.record, *options.particle)
                                            : choose_particle(scene, lesson.record);

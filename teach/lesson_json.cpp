@@ -31,22 +31,7 @@ Json values(const std::vector<T>& from) {
 }
 
 Json field(const State& state, Field which) {
-  const Particles& p = state.particles;
-  const Grid& g = state.grid;
-  switch (which) {
-    case Field::node_mass: return values(g.m);
-    case Field::node_velocity: return values(g.v);
-    case Field::node_force: return values(g.f);
-    case Field::node_velocity_star: return values(g.v_star);
-    case Field::node_free_directions: return values(g.free_directions);
-    case Field::node_velocity_new: return values(g.v_new);
-    case Field::particle_volume: return values(p.V_0);
-    case Field::particle_F_E: return values(p.F_E);
-    case Field::particle_F_P: return values(p.F_P);
-    case Field::particle_velocity: return values(p.v);
-    case Field::particle_position: return values(p.x);
-  }
-  return {};
+  return visit_field(state, which, [](const auto& array) { return values(array); });
 }
 
 Json particles_json(const State& state) {

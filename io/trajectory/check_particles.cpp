@@ -5,14 +5,21 @@
 #include <vector>
 
 #include "firn/error.hpp"
+#include "io/trajectory/format.hpp"
 
 namespace firn {
 
 namespace {
 
-void require_finite(const double* values, int count, const char* name, const std::string& where) {
-  for (int c = 0; c < count; ++c)
-    if (!std::isfinite(values[c])) throw InputError(where, name, to_text(values[c]), "finite");
+/// Throws, naming dataset and value, for particle i, which has a number that is not finite.
+void refuse(const Particles& p, std::size_t i, const std::string& particle) {
+  for_each_array(
+      [&]<class T>(const ParticleArray& array, const std::vector<T>& values) {
+        for (int c = 0; c < components_of<T>; ++c)
+          if (const double value = component(values[i], c); !std::isfinite(value))
+            throw InputError(particle, array.path, to_text(value), "finite");
+      },
+      p);
 }
 
 }  // namespace
@@ -20,16 +27,7 @@ void require_finite(const double* values, int count, const char* name, const std
 void check_particles(const Particles& p, const std::string& where) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     const auto particle = [&] { return where + ", particle " + std::to_string(i); };
-    const bool finite = p.x[i].allFinite() && p.v[i].allFinite() && p.F_E[i].allFinite() &&
-                        p.F_P[i].allFinite() && std::isfinite(p.m[i]) && std::isfinite(p.V_0[i]);
-    if (!finite) {
-      require_finite(p.x[i].data(), 3, "/VTKHDF/Points", particle());
-      require_finite(p.v[i].data(), 3, "/VTKHDF/PointData/velocity", particle());
-      require_finite(&p.m[i], 1, "/VTKHDF/PointData/mass", particle());
-      require_finite(&p.V_0[i], 1, "/VTKHDF/PointData/volume", particle());
-      require_finite(p.F_E[i].data(), 9, "/VTKHDF/PointData/F_E", particle());
-      require_finite(p.F_P[i].data(), 9, "/VTKHDF/PointData/F_P", particle());
-    }
+    if (not_finite(p, i) != nullptr) refuse(p, i, particle());
     if (!(p.m[i] > 0))
       throw InputError(particle(), "/VTKHDF/PointData/mass", to_text(p.m[i]), "> 0");
     if (!(p.V_0[i] >= 0))

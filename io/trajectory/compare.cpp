@@ -14,28 +14,8 @@ namespace firn {
 
 namespace {
 
-/// A particle quantity as `components` numbers per particle.
-struct Quantity {
-  const char* name;
-  const char* units;
-  int components;
-  void (*get)(const Particles& p, std::size_t i, double* values);
-};
-
-void get_matrix(const Mat3& F, double* values) {
-  for (int c = 0; c < 9; ++c) values[c] = F(c / 3, c % 3);  // row-major, as in the file
-}
-
-constexpr Quantity all_quantities[] = {
-    {"position", "m", 3,
-     [](const Particles& p, std::size_t i, double* a) { std::copy_n(p.x[i].data(), 3, a); }},
-    {"velocity", "m/s", 3,
-     [](const Particles& p, std::size_t i, double* a) { std::copy_n(p.v[i].data(), 3, a); }},
-    {"mass", "kg", 1, [](const Particles& p, std::size_t i, double* a) { *a = p.m[i]; }},
-    {"volume", "m^3", 1, [](const Particles& p, std::size_t i, double* a) { *a = p.V_0[i]; }},
-    {"F_E", "1", 9, [](const Particles& p, std::size_t i, double* a) { get_matrix(p.F_E[i], a); }},
-    {"F_P", "1", 9, [](const Particles& p, std::size_t i, double* a) { get_matrix(p.F_P[i], a); }},
-    {"material", "1", 1, [](const Particles& p, std::size_t i, double* a) { *a = p.material[i]; }}};
+/// Everything but the id, by which particles are matched.
+bool is_compared(const ParticleArray& array) { return std::string_view(array.name) != "id"; }
 
 /// ‖a‖, or ‖a − b‖. NaN where a number is not finite.
 double norm(const double* a, const double* b, int components) {
@@ -69,27 +49,31 @@ struct Sums {
   double absolute = 0, relative = 0;
 };
 
-/// Adds one frame to one quantity.
-void compare_frame(const Quantity& quantity, const State& a, const State& b, FramePair frames,
-                   const Pairs& pairs, QuantityComparison& result, Sums& sums) {
+/// Adds one frame to one quantity: `a` and `b` are its arrays.
+template <class T>
+void compare_frame(const std::vector<T>& a, const std::vector<T>& b, const State& state_a,
+                   FramePair frames, const Pairs& pairs, QuantityComparison& result, Sums& sums) {
+  constexpr int components = components_of<T>;
   double va[9], vb[9];
+  const auto get = [](const T& entry, double* values) {
+    for (int c = 0; c < components; ++c) values[c] = component(entry, c);
+  };
   double scale = 0;
   for (const auto& [i, j] : pairs) {
-    quantity.get(a.particles, i, va);
-    quantity.get(b.particles, j, vb);
+    get(a[i], va);
+    get(b[j], vb);
     for (const double* v : {va, vb})
-      if (const double size = norm(v, nullptr, quantity.components); size > scale) scale = size;
+      if (const double size = norm(v, nullptr, components); size > scale) scale = size;
   }
   for (const auto& [i, j] : pairs) {
-    quantity.get(a.particles, i, va);
-    quantity.get(b.particles, j, vb);
+    get(a[i], va);
+    get(b[j], vb);
     ++result.compared;
-    const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(quantity.components);
-    if (std::memcmp(va, vb, bytes) == 0) continue;
+    if (std::memcmp(va, vb, sizeof(double) * components) == 0) continue;
     ++result.different;
     result.identical = false;
-    if (!result.first_different_time) result.first_different_time = a.time;
-    double absolute = norm(va, vb, quantity.components);
+    if (!result.first_different_time) result.first_different_time = state_a.time;
+    double absolute = norm(va, vb, components);
     if (std::isnan(absolute)) absolute = std::numeric_limits<double>::infinity();
     const double relative = absolute > 0 ? absolute / scale : 0;
     sums.absolute += absolute * absolute;
@@ -97,12 +81,9 @@ void compare_frame(const Quantity& quantity, const State& a, const State& b, Fra
     result.max_relative = std::max(result.max_relative, relative);
     if (result.worst && absolute <= result.max_absolute) continue;
     result.max_absolute = absolute;
-    result.worst = QuantityComparison::Worst{a.time,
-                                             frames.a,
-                                             frames.b,
-                                             a.particles.id[i],
-                                             {va, va + quantity.components},
-                                             {vb, vb + quantity.components}};
+    result.worst = QuantityComparison::Worst{
+        state_a.time,         frames.a, frames.b, state_a.particles.id[i], {va, va + components},
+        {vb, vb + components}};
   }
 }
 
@@ -150,11 +131,12 @@ TrajectoryComparison compare_trajectories(const std::filesystem::path& path_a,
   TrajectoryComparison result;
   result.frames_a = a.frames();
   result.frames_b = b.frames();
-  for (const Quantity& quantity : all_quantities) {
+  for_each_array([&](const ParticleArray& array) {
+    if (!is_compared(array)) return;
     QuantityComparison& entry = result.quantities.emplace_back();
-    entry.name = quantity.name;
-    entry.units = quantity.units;
-  }
+    entry.name = array.name;
+    entry.units = array.units;
+  });
   std::vector<Sums> sums(result.quantities.size());
   for (const FramePair& frames : match_frames(a, b, options, result)) {
     ++result.frames_matched;
@@ -165,9 +147,14 @@ TrajectoryComparison compare_trajectories(const std::filesystem::path& path_a,
     };
     if (only(state_a) + only(state_b) > 0)
       result.particle_mismatches.push_back({state_a.time, only(state_a), only(state_b)});
-    for (std::size_t q = 0; q < sums.size(); ++q)
-      compare_frame(all_quantities[q], state_a, state_b, frames, pairs, result.quantities[q],
-                    sums[q]);
+    std::size_t q = 0;
+    for_each_array(
+        [&](const ParticleArray& array, const auto& of_a, const auto& of_b) {
+          if (!is_compared(array)) return;
+          compare_frame(of_a, of_b, state_a, frames, pairs, result.quantities[q], sums[q]);
+          ++q;
+        },
+        state_a.particles, state_b.particles);
   }
   for (std::size_t q = 0; q < sums.size(); ++q) {
     QuantityComparison& entry = result.quantities[q];

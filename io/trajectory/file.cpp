@@ -100,56 +100,42 @@ void TrajectoryFile::write_rows(std::int64_t first, std::span<const DiagnosticsR
 
 void TrajectoryFile::write_frame(std::int64_t frame, const State& state,
                                  std::span<const std::byte> restart) {
-  if (precision_ == Precision::float64)
-    write_particles<double>(frame, state.particles);
-  else
-    write_particles<float>(frame, state.particles);
-
-  const Particles& p = state.particles;
-  const std::int64_t first = frame * size_.particles;
-  hdf5::write_rows(slots("/VTKHDF/PointData/id"), "id", first, size_.particles, H5T_NATIVE_INT64,
-                   p.id.data());
-  hdf5::write_rows(slots("/VTKHDF/PointData/material"), "material", first, size_.particles,
-                   H5T_NATIVE_INT32, p.material.data());
+  for_each_array(
+      [&]<class T>(const ParticleArray& array, const std::vector<T>& values) {
+        if constexpr (std::is_integral_v<T>)
+          hdf5::write_rows(slots(array.path), array.path, frame * size_.particles, size_.particles,
+                           sizeof(T) == 8 ? H5T_NATIVE_INT64 : H5T_NATIVE_INT32, values.data());
+        else if (precision_ == Precision::float64)
+          write_array<double>(array, frame, values);
+        else
+          write_array<float>(array, frame, values);
+      },
+      state.particles);
   hdf5::write_rows(slots("/firn/steps"), "/firn/steps", frame, 1, H5T_NATIVE_INT64, &state.step);
   if (size_.restart_size > 0)
     hdf5::write_rows(slots("/firn/restart"), "/firn/restart", frame, 1, H5T_NATIVE_UINT8,
                      restart.data());
 }
 
-template <class Real>
-void TrajectoryFile::write_particles(std::int64_t frame, const Particles& p) {
-  const std::string data = "/VTKHDF/PointData/";
-  write_array<Real>("/VTKHDF/Points", 3, frame, [&](std::size_t i, int c) { return p.x[i][c]; });
-  write_array<Real>(data + "velocity", 3, frame, [&](std::size_t i, int c) { return p.v[i][c]; });
-  write_array<Real>(data + "mass", 1, frame, [&](std::size_t i, int) { return p.m[i]; });
-  write_array<Real>(data + "volume", 1, frame, [&](std::size_t i, int) { return p.V_0[i]; });
-  write_array<Real>(data + "F_E", 9, frame,
-                    [&](std::size_t i, int c) { return p.F_E[i](c / 3, c % 3); });
-  write_array<Real>(data + "F_P", 9, frame,
-                    [&](std::size_t i, int c) { return p.F_P[i](c / 3, c % 3); });
-}
-
-/// `get(i, c)`: component c of particle i. In slices, so that a buffer of a few
-/// megabytes serves any number of particles.
-template <class Real, class Get>
-void TrajectoryFile::write_array(const std::string& name, int components, std::int64_t frame,
-                                 Get get) {
+/// In slices, so that a buffer of a few megabytes serves any number of particles.
+template <class Real, class T>
+void TrajectoryFile::write_array(const ParticleArray& array, std::int64_t frame,
+                                 const std::vector<T>& values) {
   constexpr std::int64_t slice = 1 << 16;
   std::vector<Real> buffer;
   for (std::int64_t begin = 0; begin < size_.particles; begin += slice) {
     const std::int64_t end = std::min(begin + slice, size_.particles);
     buffer.clear();
     for (std::int64_t i = begin; i < end; ++i) {
-      for (int c = 0; c < components; ++c) {
-        const Real value = static_cast<Real>(get(static_cast<std::size_t>(i), c));
+      for (int c = 0; c < components_of<T>; ++c) {
+        const Real value = static_cast<Real>(component(values[static_cast<std::size_t>(i)], c));
         if (!std::isfinite(value))
           throw SimulationError(Stage::positions, SimulationError::Subject::particle, i,
-                                name + " is not finite");
+                                std::string(array.path) + " is not finite");
         buffer.push_back(value);
       }
     }
-    hdf5::write_rows(slots(name), name, frame * size_.particles + begin, end - begin,
+    hdf5::write_rows(slots(array.path), array.path, frame * size_.particles + begin, end - begin,
                      sizeof(Real) == 8 ? H5T_NATIVE_DOUBLE : H5T_NATIVE_FLOAT, buffer.data());
   }
 }

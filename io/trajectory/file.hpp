@@ -46,10 +46,8 @@ class TrajectoryFile {
   void reserve();
   hid_t slots(const std::string& name);
 
-  template <class Real>
-  void write_particles(std::int64_t frame, const Particles& particles);
-  template <class Real, class Get>
-  void write_array(const std::string& name, int components, std::int64_t frame, Get get);
+  template <class Real, class T>
+  void write_array(const ParticleArray& array, std::int64_t frame, const std::vector<T>& values);
 
   std::filesystem::path path_;
   TrajectorySize size_;

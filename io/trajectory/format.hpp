@@ -37,18 +37,34 @@ struct TrajectoryInfo {
 inline constexpr std::string_view trajectory_format = "firn-trajectory";
 inline constexpr std::int64_t trajectory_version = 1;
 
-/// One array of PointData.
+/// One particle quantity and where a file holds it.
 struct ParticleArray {
-  const char* name;
-  const char* units;
-  int components;  ///< 9: a matrix, row-major
+  const char* name;      ///< "velocity"
+  const char* path;      ///< "/VTKHDF/PointData/velocity"
+  const char* units;     ///< "m/s"
+  int components;        ///< 9: a matrix, row-major
+  bool integer = false;  ///< else stored in the precision of the file
 };
 
-inline constexpr std::array<ParticleArray, 5> real_particle_arrays = {{{"velocity", "m/s", 3},
-                                                                       {"mass", "kg", 1},
-                                                                       {"volume", "m^3", 1},
-                                                                       {"F_E", "1", 9},
-                                                                       {"F_P", "1", 9}}};
+/// Positions stand beside PointData, everything else in it.
+inline bool is_point_data(const ParticleArray& array) {
+  return std::string_view(array.name) != "position";
+}
+
+/// Calls visit(ParticleArray, array…) for every dataset of a frame, with that array of each
+/// of `particles`: the one list of what a trajectory holds per particle.
+template <class Visit, class... P>
+void for_each_array(Visit&& visit, P&... particles) {
+  visit(ParticleArray{"position", "/VTKHDF/Points", "m", 3}, particles.x...);
+  visit(ParticleArray{"velocity", "/VTKHDF/PointData/velocity", "m/s", 3}, particles.v...);
+  visit(ParticleArray{"mass", "/VTKHDF/PointData/mass", "kg", 1}, particles.m...);
+  visit(ParticleArray{"volume", "/VTKHDF/PointData/volume", "m^3", 1}, particles.V_0...);
+  visit(ParticleArray{"F_E", "/VTKHDF/PointData/F_E", "1", 9}, particles.F_E...);
+  visit(ParticleArray{"F_P", "/VTKHDF/PointData/F_P", "1", 9}, particles.F_P...);
+  visit(ParticleArray{"id", "/VTKHDF/PointData/id", "1", 1, true}, particles.id...);
+  visit(ParticleArray{"material", "/VTKHDF/PointData/material", "1", 1, true},
+        particles.material...);
+}
 
 /// One dataset of /firn/diagnostics.
 struct DiagnosticsColumn {

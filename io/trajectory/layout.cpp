@@ -24,18 +24,19 @@ std::vector<std::int64_t> multiples(std::int64_t stride, std::int64_t count) {
 
 void create_particle_arrays(hid_t file, Precision precision, std::int64_t points) {
   const hid_t real = precision == Precision::float64 ? H5T_IEEE_F64LE : H5T_IEEE_F32LE;
-  hdf5::create_dataset(file, "/VTKHDF/Points", real, {as_size(points), 3}, "m");
+  const Particles none;
   hdf5::create_group(file, "/VTKHDF/PointData");
-  for (const ParticleArray& array : real_particle_arrays) {
-    const std::string name = std::string("/VTKHDF/PointData/") + array.name;
-    if (array.components == 1)
-      hdf5::create_dataset(file, name, real, {as_size(points)}, array.units);
-    else
-      hdf5::create_dataset(file, name, real, {as_size(points), as_size(array.components)},
-                           array.units);
-  }
-  hdf5::create_dataset(file, "/VTKHDF/PointData/id", H5T_STD_I64LE, {as_size(points)}, "1");
-  hdf5::create_dataset(file, "/VTKHDF/PointData/material", H5T_STD_I32LE, {as_size(points)}, "1");
+  for_each_array(
+      [&]<class T>(const ParticleArray& array, const std::vector<T>&) {
+        const hid_t integer = sizeof(T) == 8 ? H5T_STD_I64LE : H5T_STD_I32LE;
+        const hid_t type = array.integer ? integer : real;
+        if (array.components == 1)
+          hdf5::create_dataset(file, array.path, type, {as_size(points)}, array.units);
+        else
+          hdf5::create_dataset(file, array.path, type, {as_size(points), as_size(array.components)},
+                               array.units);
+      },
+      none);
 }
 
 /// One vertex per particle, the same for every frame; no lines, no polygons.
@@ -71,8 +72,10 @@ void create_steps(hid_t file, std::int64_t particles, std::int64_t frames) {
   hdf5::write_constant(file, steps + "/CellOffsets", {n, 4}, zeros);
   hdf5::write_constant(file, steps + "/ConnectivityIdOffsets", {n, 4}, zeros);
   hdf5::create_group(file, steps + "/PointDataOffsets");
-  for (const std::string name : {"velocity", "mass", "volume", "F_E", "F_P", "id", "material"})
-    hdf5::write_constant(file, steps + "/PointDataOffsets/" + name, {n}, first_point);
+  for_each_array([&](const ParticleArray& array) {
+    if (is_point_data(array))
+      hdf5::write_constant(file, steps + "/PointDataOffsets/" + array.name, {n}, first_point);
+  });
 }
 
 void create_vtkhdf(hid_t file, Precision precision, const TrajectorySize& size) {
@@ -143,12 +146,16 @@ void create_firn(hid_t file, const TrajectoryInfo& info, const TrajectorySize& s
 }  // namespace
 
 double TrajectorySize::bytes(Precision precision) const {
-  double reals = 3;
-  for (const ParticleArray& array : real_particle_arrays) reals += array.components;
   const double real_bytes = precision == Precision::float64 ? 8 : 4;
+  double particle_bytes = 0;
+  const Particles none;
+  for_each_array(
+      [&]<class T>(const ParticleArray& array, const std::vector<T>&) {
+        particle_bytes += array.integer ? sizeof(T) : array.components * real_bytes;
+      },
+      none);
   const double N = static_cast<double>(particles);
-  const double particle_bytes = reals * real_bytes + 8 + 4;  // id, material
-  const double step_bytes = 8 * (1 + 3 + 4 + 4 + 7 + 1);     // Steps/*, and the frame's step number
+  const double step_bytes = 8 * (1 + 3 + 4 + 4 + 7 + 1);  // Steps/*, and the frame's step number
   return static_cast<double>(frames) *
              (N * particle_bytes + step_bytes + static_cast<double>(restart_size)) +
          static_cast<double>(rows) * diagnostics_row_bytes + 16 * N;  // the vertices

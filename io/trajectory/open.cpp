@@ -80,14 +80,15 @@ void TrajectoryReader::Open::read_steps() {
   }
 }
 
-void TrajectoryReader::Open::open_array(const std::string& name, const std::string& path,
-                                        hdf5::Kind kind, int components) {
+void TrajectoryReader::Open::open_array(const ParticleArray& array) {
+  const std::string name = array.name;
   const auto count = static_cast<std::int64_t>(frames.size());
   const std::string offsets_name = "/VTKHDF/Steps/PointDataOffsets/" + name;
-  if (name != "Points" && file.has(offsets_name))
+  if (is_point_data(array) && file.has(offsets_name))
     offsets[name] = file.integers(offsets_name, count, 0, any);
+  const hdf5::Kind kind = array.integer ? hdf5::Kind::integer : hdf5::Kind::real;
   const hdf5::InputDataset& data =
-      arrays.emplace(name, file.dataset(path, kind, components)).first->second;
+      arrays.emplace(name, file.dataset(array.path, kind, array.components)).first->second;
   for (std::int64_t k = 0; k < count; ++k) {
     const std::int64_t first = first_row(name, k), particles = at(k).particles;
     if (particles > data.rows() || first > data.rows() - particles)
@@ -98,12 +99,7 @@ void TrajectoryReader::Open::open_array(const std::string& name, const std::stri
 }
 
 void TrajectoryReader::Open::open_arrays() {
-  open_array("Points", "/VTKHDF/Points", hdf5::Kind::real, 3);
-  const std::string data = "/VTKHDF/PointData/";
-  for (const ParticleArray& array : real_particle_arrays)
-    open_array(array.name, data + array.name, hdf5::Kind::real, array.components);
-  for (const std::string name : {"id", "material"})
-    open_array(name, data + name, hdf5::Kind::integer, 1);
+  for_each_array([this](const ParticleArray& array) { open_array(array); });
 }
 
 void TrajectoryReader::Open::read_firn() {
@@ -151,6 +147,18 @@ void TrajectoryReader::Open::read_firn() {
                        std::to_string(rows),
                        "0 … " + std::to_string(data.rows()) + ", the length of " + column.name);
   }
+}
+
+std::vector<std::int32_t> TrajectoryReader::Open::read_small(const std::string& name,
+                                                             std::int64_t frame) const {
+  std::vector<std::int64_t> values(static_cast<std::size_t>(at(frame).particles));
+  read(name, frame, values.data());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] < 0 || values[i] > std::numeric_limits<std::int32_t>::max())
+      throw InputError(arrays.at(name).where() + ", frame " + std::to_string(frame) +
+                           ", particle " + std::to_string(i),
+                       name, std::to_string(values[i]), "0 … 2147483647");
+  return {values.begin(), values.end()};
 }
 
 std::int64_t TrajectoryReader::Open::first_row(const std::string& name, std::int64_t frame) const {

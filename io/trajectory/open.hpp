@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/hdf5/read.hpp"
+#include "io/trajectory/format.hpp"
 #include "io/trajectory/reader.hpp"
 
 namespace firn {
@@ -26,8 +27,7 @@ struct TrajectoryReader::Open {
   void read_steps();
   void read_firn();
   void open_arrays();
-  void open_array(const std::string& name, const std::string& path, hdf5::Kind kind,
-                  int components);
+  void open_array(const ParticleArray& array);
   std::int64_t first_row(const std::string& name, std::int64_t frame) const;
   const FramePlace& at(std::int64_t frame) const;
 
@@ -36,9 +36,12 @@ struct TrajectoryReader::Open {
     arrays.at(name).read(first_row(name, frame), at(frame).particles, values);
   }
 
+  /// Integers that must not be negative nor exceed 32 bits.
+  std::vector<std::int32_t> read_small(const std::string& name, std::int64_t frame) const;
+
   hdf5::InputFile file;
   std::vector<FramePlace> frames;
-  std::map<std::string, hdf5::InputDataset> arrays;          ///< "Points" and those of PointData
+  std::map<std::string, hdf5::InputDataset> arrays;          ///< by ParticleArray::name
   std::map<std::string, std::vector<std::int64_t>> offsets;  ///< Steps/PointDataOffsets
   std::optional<TrajectoryInfo> info;
   std::vector<std::int64_t> steps;

@@ -40,25 +40,18 @@ State TrajectoryReader::read_frame_unchecked(std::int64_t frame) const {
   Particles& p = state.particles;
   p.resize(static_cast<std::size_t>(particles(frame)));
   if (p.size() == 0) return state;
-  open_->read("Points", frame, p.x[0].data());
-  open_->read("velocity", frame, p.v[0].data());
-  open_->read("mass", frame, p.m.data());
-  open_->read("volume", frame, p.V_0.data());
-  open_->read("F_E", frame, p.F_E[0].data());
-  open_->read("F_P", frame, p.F_P[0].data());
-  for (Mat3& F : p.F_E) F.transposeInPlace();  // the file is row-major, Mat3 column-major
-  for (Mat3& F : p.F_P) F.transposeInPlace();
-  open_->read("id", frame, p.id.data());
-
-  std::vector<std::int64_t> material(p.size());
-  open_->read("material", frame, material.data());
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    if (material[i] < 0 || material[i] > std::numeric_limits<std::int32_t>::max())
-      throw InputError(open_->arrays.at("material").where() + ", frame " + std::to_string(frame) +
-                           ", particle " + std::to_string(i),
-                       "material", std::to_string(material[i]), "0 … 2147483647");
-    p.material[i] = static_cast<std::int32_t>(material[i]);
-  }
+  for_each_array(
+      [&]<class T>(const ParticleArray& array, std::vector<T>& values) {
+        if constexpr (std::is_same_v<T, std::int32_t>)
+          values = open_->read_small(array.name, frame);
+        else if constexpr (std::is_arithmetic_v<T>)
+          open_->read(array.name, frame, values.data());
+        else
+          open_->read(array.name, frame, values[0].data());
+        if constexpr (std::is_same_v<T, Mat3>)  // the file is row-major, Mat3 column-major
+          for (Mat3& matrix : values) matrix.transposeInPlace();
+      },
+      p);
   return state;
 }
 

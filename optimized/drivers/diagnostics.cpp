@@ -21,9 +21,9 @@ struct Sums {
 }  // namespace
 
 template <class T>
-Diagnostics OptimizedSolver<T>::diagnostics() const {
+Diagnostics OptimizedSolver<T>::diagnostics(const Scene& scene) const {
   // The stress of a state that was only just loaded is not known yet.
-  if (scene_ == nullptr || stress_stale_) return Solver::diagnostics();
+  if (stress_stale_) return Solver::diagnostics(scene);
   const std::vector<int>& active = particles_.active();
   std::vector<Sums> sums(active.size());
   const int n = static_cast<int>(active.size());
@@ -72,14 +72,14 @@ Diagnostics OptimizedSolver<T>::diagnostics() const {
   d.angular_momentum = all.angular;
   d.kinetic_energy = all.kinetic;
   d.elastic_energy = all.elastic;
-  d.gravitational_energy = -scene_->gravity.dot(all.first_moment);
+  d.gravitational_energy = -scene.gravity.dot(all.first_moment);
   if (all.mass > 0) d.center_of_mass = all.first_moment / all.mass;
   d.max_speed = std::sqrt(all.max_speed2);
   if (n > 0) d.min_J_E = 1 + all.min_J, d.max_J_E = 1 + all.max_J;
   return d;
 }
 
-template Diagnostics OptimizedSolver<float>::diagnostics() const;
-template Diagnostics OptimizedSolver<double>::diagnostics() const;
+template Diagnostics OptimizedSolver<float>::diagnostics(const Scene&) const;
+template Diagnostics OptimizedSolver<double>::diagnostics(const Scene&) const;
 
 }  // namespace firn::optimized

@@ -36,14 +36,7 @@ template <class T>
 void OptimizedSolver<T>::load(const Scene& scene, const State& state) {
   const Particles& p = state.particles;
   const std::size_t n = p.size();
-  if (p.v.size() != n || p.m.size() != n || p.V_0.size() != n || p.F_E.size() != n ||
-      p.F_P.size() != n || p.id.size() != n || p.material.size() != n)
-    throw InputError("state", "particle arrays of different lengths", std::to_string(p.v.size()),
-                     std::to_string(n) + ", the number of positions");
-  for (const std::int32_t material : p.material)
-    if (material < 0 || static_cast<std::size_t>(material) >= scene.materials.size())
-      throw InputError("state", "material of a particle", std::to_string(material),
-                       "0 .. " + std::to_string(scene.materials.size() - 1));
+  require_consistent(scene, p);
   // A mass that is no mass would only hide nodes from the step: they would count as empty.
   for (std::size_t q = 0; q < n; ++q)
     if (!(p.m[q] > 0 && std::isfinite(p.m[q])))
@@ -159,9 +152,8 @@ void OptimizedSolver<T>::finish_step() {
 
 template <class T>
 TimeStep OptimizedSolver<T>::choose_time_step() {
-  const TimeSettings& time = scene_->time;
-  if (!time.adaptive) return {time.step, TimeStepBound::fixed};
-  prepare(time.max_step);
+  if (!scene_->time.adaptive) return time_step_by_rule(*scene_, 0, 0);
+  prepare(scene_->time.max_step);
   refresh_stress();
   double speed2 = 0, sound2 = 0;
   const std::vector<int>& active = particles_.active();
@@ -206,14 +198,7 @@ TimeStep OptimizedSolver<T>::choose_time_step() {
     error.state_intact = true;
     throw error;
   }
-  TimeStep result{time.max_step, TimeStepBound::max_step};
-  const auto limit = [&](double dt, TimeStepBound bound) {
-    if (dt < result.dt) result = {dt, bound};
-  };
-  limit(time.cfl * scene_->grid.spacing / std::sqrt(speed2), TimeStepBound::cfl);
-  if (!solves())
-    limit(time.elastic_cfl * scene_->grid.spacing / std::sqrt(sound2), TimeStepBound::elastic_cfl);
-  return result;
+  return time_step_by_rule(*scene_, std::sqrt(speed2), std::sqrt(sound2));
 }
 
 template <class T>
@@ -269,7 +254,6 @@ SolverEntry optimized_entry() {
   return {"optimized",
           "blocks, SIMD and threads: float or double, the same bits at any number of threads",
           {Precision::float64, Precision::float32},
-          true,
           make_optimized_solver};
 }
 

@@ -26,7 +26,7 @@ class OptimizedSolver final : public Solver {
   StepReport advance_through(Stage last, double dt) override;
   StepReport step(double dt) override;
   void store(State& state) const override;
-  Diagnostics diagnostics() const override;
+  Diagnostics diagnostics(const Scene& scene) const override;
   std::size_t restart_size() const override;
   void store_restart(std::span<std::byte> bytes) const override;
   void load_restart(std::span<const std::byte> bytes) override;
@@ -82,6 +82,7 @@ class OptimizedSolver final : public Solver {
   void load_grid(const Grid& grid);
   void store_grid(Grid& grid) const;
 
+  const Scene* scene_ = nullptr;
   SkipSet skips_;
   int threads_;
   const KernelTable<T>& kernels_;

@@ -17,53 +17,16 @@ bool is_node_field(Field field) {
 }
 
 int components(Field field) {
-  switch (field) {
-    case Field::node_mass:
-    case Field::particle_volume: return 1;
-    case Field::node_free_directions:
-    case Field::particle_F_E:
-    case Field::particle_F_P: return 9;
-    default: return 3;
-  }
+  const State none;
+  return visit_field(none, field, []<class T>(const std::vector<T>&) { return components_of<T>; });
 }
-
-namespace {
-
-/// Calls f with the array that holds the field.
-template <class F>
-auto with_array(const State& state, Field field, F&& f) {
-  const Particles& p = state.particles;
-  const Grid& g = state.grid;
-  switch (field) {
-    case Field::node_mass: return f(g.m);
-    case Field::node_velocity: return f(g.v);
-    case Field::node_force: return f(g.f);
-    case Field::node_velocity_star: return f(g.v_star);
-    case Field::node_free_directions: return f(g.free_directions);
-    case Field::node_velocity_new: return f(g.v_new);
-    case Field::particle_volume: return f(p.V_0);
-    case Field::particle_F_E: return f(p.F_E);
-    case Field::particle_F_P: return f(p.F_P);
-    case Field::particle_velocity: return f(p.v);
-    case Field::particle_position: break;
-  }
-  return f(p.x);
-}
-
-double component_of(double value, int) { return value; }
-double component_of(const Vec3& value, int c) { return value[c]; }
-double component_of(const Mat3& value, int c) { return value(c / 3, c % 3); }
-
-}  // namespace
 
 std::size_t length(const State& state, Field field) {
-  return with_array(state, field, [](const auto& array) { return array.size(); });
+  return visit_field(state, field, [](const auto& array) { return array.size(); });
 }
 
-double value(const State& state, Field field, std::size_t index, int component) {
-  return with_array(state, field, [&](const auto& array) -> double {
-    return component_of(array[index], component);
-  });
+double value(const State& state, Field field, std::size_t index, int c) {
+  return visit_field(state, field, [&](const auto& array) { return component(array[index], c); });
 }
 
 double bound(const ErrorBounds& bounds, Field field, std::size_t index, int component) {

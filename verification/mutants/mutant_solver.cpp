@@ -17,6 +17,7 @@ class MutantSolver final : public Solver {
     traits_.name = "mutant:" + mutant.name;
     traits_.stops.assign(all_stages.begin(), all_stages.end());
     traits_.semi_implicit = true;
+    traits_.pace = Pace::plain;
   }
 
   const SolverTraits& traits() const override { return traits_; }
@@ -54,6 +55,7 @@ class MutantSolver final : public Solver {
   StepReport advance(const Stages& stages, Stage last, double dt);
 
   SolverTraits traits_;
+  const Scene* scene_ = nullptr;
   int threads_;
   Stages stages_;
   State state_, last_good_;
@@ -124,10 +126,9 @@ const std::vector<Mutant>& all_mutants() {
   return list;
 }
 
-bool names_a_mutant(const std::string& solver) { return solver.rfind(mutants::prefix, 0) == 0; }
+namespace {
 
-std::unique_ptr<Solver> make_mutant_solver(const std::string& solver,
-                                           const SolverOptions& options) {
+std::unique_ptr<Solver> make_mutant(const std::string& solver, const SolverOptions& options) {
   if (options.precision != Precision::float64)
     throw InputError("--precision", "not supported by mutants",
                      std::string(name(options.precision)), "double");
@@ -136,6 +137,13 @@ std::unique_ptr<Solver> make_mutant_solver(const std::string& solver,
       return std::make_unique<mutants::MutantSolver>(mutant, options);
   throw InputError("--solver", "unknown mutant", solver,
                    "a name that `firn solvers --mutants` prints");
+}
+
+}  // namespace
+
+SolverFamily mutant_family() {
+  return {"mutant:NAME", "wrong on purpose: the reference with one mistake",
+          begins_with(mutants::prefix), make_mutant};
 }
 
 }  // namespace firn

@@ -35,10 +35,7 @@ struct Mutant {
 /// All of them, in the order of the stages.
 const std::vector<Mutant>& all_mutants();
 
-/// True for "mutant:…".
-bool names_a_mutant(const std::string& solver);
-
-/// "mutant:NAME". Throws InputError for an unknown name or a precision other than double.
-std::unique_ptr<Solver> make_mutant_solver(const std::string& solver, const SolverOptions& options);
+/// "mutant:NAME", in double only.
+SolverFamily mutant_family();
 
 }  // namespace firn

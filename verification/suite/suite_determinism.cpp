@@ -95,7 +95,7 @@ TEST(Determinism, looking_does_not_disturb) {
     for (int n = 0; n < steps(); ++n) {
       solver->step(solver->choose_time_step().dt);
       solver->store(state);
-      solver->diagnostics();
+      solver->diagnostics(c.scene);
     }
     same_bits(c.name, unseen, state);
   }

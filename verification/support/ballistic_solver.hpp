@@ -41,12 +41,9 @@ class BallisticSolver : public Solver {
   }
 
   TimeStep choose_time_step() override {
-    if (!scene_->time.adaptive) return {scene_->time.step, TimeStepBound::fixed};
     double fastest = 0;
     for (const Vec3& v : state_.particles.v) fastest = std::max(fastest, v.norm());
-    const double by_cfl = scene_->time.cfl * scene_->grid.spacing / fastest;
-    if (by_cfl < scene_->time.max_step) return {by_cfl, TimeStepBound::cfl};
-    return {scene_->time.max_step, TimeStepBound::max_step};
+    return time_step_by_rule(*scene_, fastest, 0);
   }
 
   StepReport advance_through(Stage, double dt) override {
@@ -97,6 +94,7 @@ class BallisticSolver : public Solver {
       for (int c = 0; c < 3; ++c) a[c] = through_float(a[c]);
   }
 
+  const Scene* scene_ = nullptr;
   SolverTraits traits_;
   State state_;
   std::vector<Vec3> lost_digits_;

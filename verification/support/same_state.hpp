@@ -16,15 +16,13 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 inline ::testing::AssertionResult same_particles(const Particles& a, const Particles& b) {
-  auto differ = [](const char* name) { return ::testing::AssertionFailure() << name << " differ"; };
-  if (!same_bits(a.x, b.x)) return differ("positions");
-  if (!same_bits(a.v, b.v)) return differ("velocities");
-  if (!same_bits(a.m, b.m)) return differ("masses");
-  if (!same_bits(a.V_0, b.V_0)) return differ("volumes");
-  if (!same_bits(a.F_E, b.F_E)) return differ("F_E");
-  if (!same_bits(a.F_P, b.F_P)) return differ("F_P");
-  if (!same_bits(a.id, b.id)) return differ("ids");
-  if (!same_bits(a.material, b.material)) return differ("materials");
+  const char* different = nullptr;
+  for_each_field(
+      [&](const char* name, const auto& of_a, const auto& of_b) {
+        if (different == nullptr && !same_bits(of_a, of_b)) different = name;
+      },
+      a, b);
+  if (different != nullptr) return ::testing::AssertionFailure() << different << " differ";
   return ::testing::AssertionSuccess();
 }
 

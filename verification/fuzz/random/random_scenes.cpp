@@ -67,7 +67,6 @@ class Comparisons {
     SolverOptions options;
     options.precision = precision_from(precision);
     options.threads = arguments_.threads;
-    if (names_a_mutant(arguments_.solver)) return make_mutant_solver(arguments_.solver, options);
     return registry_.create(arguments_.solver, options);
   }
 

@@ -56,13 +56,10 @@ class Sleeper : public Solver {
 std::vector<results::Quantity> measure_sleepers(double seconds, double serial, bool in_turns,
                                                 Rounds rounds) {
   Registry registry;
-  registry.add({"sleeper",
-                "",
-                {Precision::float64},
-                false,
-                [=](const SolverOptions& o) -> std::unique_ptr<Solver> {
-                  return std::make_unique<Sleeper>(seconds, serial, in_turns, o.threads);
-                }});
+  registry.add(
+      {"sleeper", "", {Precision::float64}, [=](const SolverOptions& o) -> std::unique_ptr<Solver> {
+         return std::make_unique<Sleeper>(seconds, serial, in_turns, o.threads);
+       }});
   const Workload work = block(8, Deformation::elastic, 1);
   return measure_efficiency(registry, {"sleeper", Precision::float64, 2}, work, rounds);
 }

@@ -32,7 +32,7 @@ inline std::string run_name(const testing::TestParamInfo<Run>& info) {
 
 inline void expect_valid(const Run& run, const CheckOptions& options) {
   const Scene scene = find_scene(run.scene);
-  if (scene.semi_implicit() && !registry().find(run.solver)->semi_implicit)
+  if (scene.semi_implicit() && !registry().traits(run.solver).semi_implicit)
     GTEST_SKIP() << run.solver << " has no semi-implicit integration";
   const auto reference = make_reference();
   SolverOptions solver_options;

@@ -42,6 +42,7 @@ class Mistaken : public Solver {
   /// After every stage; the base class applies the mistake after its stage.
   virtual void spoil(Stage stage, const State& before, State& after, double dt);
 
+  const Scene* scene_ = nullptr;
   State state_;
 
  private:

@@ -171,7 +171,7 @@ TEST(BrokenGuest, NotANumberIsNamedWithItsParticle) {
         run_firn({"run", "two_particles", "--solver", guest, "-o", "a.vtkhdf"}, folder.path());
     EXPECT_EQ(run.status, 3) << run.err;
     EXPECT_EQ(lines(run.err), 1) << run.err;
-    EXPECT_NE(run.err.find("gave a position of particle 1 that is not finite"), std::string::npos)
+    EXPECT_NE(run.err.find("gave x of particle 1 that is not finite"), std::string::npos)
         << run.err;
     EXPECT_EQ(TrajectoryReader(folder.path() / "a.vtkhdf").frames(), 1) << "the last good state";
   }

@@ -22,7 +22,7 @@ std::unique_ptr<Solver> make_reference() {
 CheckReport first_failure(const std::string& solver) {
   for (const cases::Case& c : cases::snow_cases()) {
     const auto reference = make_reference();
-    const auto subject = solver.empty() ? make_reference() : make_mutant_solver(solver, {});
+    const auto subject = solver.empty() ? make_reference() : mutant_family().create(solver, {});
     CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = c.steps});
     report.scene = c.name;
     if (!report.valid()) return report;
@@ -39,7 +39,7 @@ TEST(Mutants, are_at_least_sixty_of_different_names) {
   }
   EXPECT_EQ(names.size(), all_mutants().size());
   EXPECT_GE(names.size(), 60u);
-  EXPECT_THROW(make_mutant_solver("mutant:no_such_mistake", {}), InputError);
+  EXPECT_THROW(mutant_family().create("mutant:no_such_mistake", {}), InputError);
 }
 
 TEST(Mutants, unmutated_it_is_valid) {

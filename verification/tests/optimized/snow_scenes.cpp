@@ -117,11 +117,13 @@ std::unique_ptr<Solver> optimized(Precision precision, int threads) {
 }
 
 bool same_bits(const State& a, const State& b) {
-  const Particles &p = a.particles, &q = b.particles;
-  return a.time == b.time && a.step == b.step && equal(p.x, q.x) && equal(p.v, q.v) &&
-         equal(p.m, q.m) && equal(p.V_0, q.V_0) && equal(p.F_E, q.F_E) && equal(p.F_P, q.F_P) &&
-         p.id == q.id && p.material == q.material && equal(a.grid.m, b.grid.m) &&
-         equal(a.grid.v, b.grid.v) && equal(a.grid.v_new, b.grid.v_new);
+  bool same = a.time == b.time && a.step == b.step && a.grid.node == b.grid.node;
+  const auto compare = [&](const char*, const auto& of_a, const auto& of_b) {
+    same = same && equal(of_a, of_b);
+  };
+  for_each_field(compare, a.particles, b.particles);
+  for_each_field(compare, a.grid, b.grid);
+  return same;
 }
 
 }  // namespace firn::test

@@ -91,7 +91,7 @@ TEST_P(OptimizedSolver, DiagnosticsAgreeWithThePlainSums) {
   solver->load(scene, state);
   for (int n = 0; n < 20; ++n) solver->step(scene.time.step);
   solver->store(state);
-  const Diagnostics fast = solver->diagnostics(), plain = measure(scene, state);
+  const Diagnostics fast = solver->diagnostics(scene), plain = measure(scene, state);
   // The energy of a particle comes from its stress, at the solver's roundoff; the sums
   // are in double. 100 eps covers the 40-odd operations in between.
   const double eps = GetParam() == Precision::float64 ? 2.2e-16 : 1.2e-7;

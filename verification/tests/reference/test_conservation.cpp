@@ -89,10 +89,10 @@ TEST(Conservation, CentreOfMassFallsFreely) {
     const double dt = scene.time.step;
     auto solver = test::make_reference();
     solver->load(scene, test::random_particles(scene, count, 8, 2));
-    const Diagnostics before = solver->diagnostics();
+    const Diagnostics before = solver->diagnostics(scene);
     const int n = 50;
     for (int step = 0; step < n; ++step) solver->step(dt);
-    const Diagnostics after = solver->diagnostics();
+    const Diagnostics after = solver->diagnostics(scene);
     const Vec3 expected = before.center_of_mass + n * dt * before.momentum / before.mass +
                           scene.gravity * dt * dt * n * (n + 1) / 2;
     EXPECT_LE((after.center_of_mass - expected).norm(), tolerance) << "alpha " << alpha;

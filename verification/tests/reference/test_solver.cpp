@@ -280,7 +280,7 @@ TEST(Extremes, NoParticles) {
   auto solver = test::make_reference();
   solver->load(scene, State{});
   EXPECT_EQ(solver->step(1e-4).grid_nodes, 0);
-  EXPECT_EQ(solver->diagnostics().mass, 0);
+  EXPECT_EQ(solver->diagnostics(scene).mass, 0);
   State state;
   solver->store(state);
   EXPECT_EQ(state.step, 1);
@@ -327,7 +327,7 @@ TEST(Input, RegistryEntry) {
   EXPECT_EQ(solver->traits().stops.size(), static_cast<std::size_t>(stage_count));
   EXPECT_TRUE(solver->traits().semi_implicit);
   EXPECT_TRUE(solver->traits().explicit_euler);
-  EXPECT_EQ(registry.find("reference")->semi_implicit, solver->traits().semi_implicit);
+  EXPECT_EQ(registry.traits("reference").semi_implicit, solver->traits().semi_implicit);
 }
 
 TEST(Diagnostics, AgreeWithThoseOfTheInterface) {
@@ -337,7 +337,7 @@ TEST(Diagnostics, AgreeWithThoseOfTheInterface) {
   solver->step(1e-3);
   State state;
   solver->store(state);
-  const Diagnostics own = solver->diagnostics(), other = measure(scene, state);
+  const Diagnostics own = solver->diagnostics(scene), other = measure(scene, state);
   EXPECT_EQ(own.time, other.time);
   EXPECT_EQ(own.mass, other.mass);
   EXPECT_EQ(own.momentum, other.momentum);

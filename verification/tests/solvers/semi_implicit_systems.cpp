@@ -35,7 +35,7 @@ void PrintTo(const Subject& subject, std::ostream* out) { *out << text(subject);
 std::vector<Subject> subjects() {
   std::vector<Subject> all;
   for (const SolverEntry& entry : registry().entries())
-    if (entry.semi_implicit)
+    if (registry().traits(entry.name).semi_implicit)
       for (const Precision precision : entry.precisions) all.push_back({entry.name, precision});
   return all;
 }

@@ -43,6 +43,7 @@ class FallingParticles final : public firn::Solver {
 
  private:
   firn::SolverTraits traits_;
+  const firn::Scene* scene_ = nullptr;
   firn::State state_;
 };
 
