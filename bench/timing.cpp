@@ -13,8 +13,10 @@
 namespace firn::bench {
 
 std::string Subject::label() const {
-  // Cases are groups of a results file and words of a command line.
-  std::string label = solver.starts_with("./") ? solver.substr(2) : solver;
+  // A library is known by its file; what else a name has must fit into the group of a results
+  // file and the word of a command line.
+  const bool is_file = solver.find(':') == std::string::npos;
+  std::string label = is_file ? solver.substr(solver.rfind('/') + 1) : solver;
   for (char& c : label)
     if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '_' && c != '.' && c != ':' &&
         c != '-')

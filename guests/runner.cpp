@@ -207,8 +207,11 @@ class Runner {
     const std::string toml = question.get_text();
     state_ = get_state(question);
     // `check` loads the same scene before every stage, and a mesh takes long to read.
-    if (!scene_ || toml != scene_->view()->toml)
-      scene_ = std::make_unique<GuestScene>(parse_scene(toml, "scene", "."));
+    if (!scene_ || toml != scene_->view()->toml) {
+      SceneOptions options;
+      options.needs_bodies = false;  // a state comes with it
+      scene_ = std::make_unique<GuestScene>(parse_scene(toml, "scene", ".", options));
+    }
     transpose(state_);
     const firn_guest_state view = view_of(state_);
     require(table_->load(self_, scene_->view(), &view), "load");

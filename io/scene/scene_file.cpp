@@ -98,7 +98,8 @@ void read_bodies(const TomlTable& root, const SceneContext& context, Scene& scen
                        "a shape that holds at least one sampling point");
     scene.bodies.push_back(std::move(body));
   }
-  if (scene.bodies.empty()) root.refuse("body", "missing", "at least one [[body]]");
+  if (scene.bodies.empty() && context.options.needs_bodies)
+    root.refuse("body", "missing", "at least one [[body]]");
 }
 
 void check_scale(double scale) {

@@ -22,6 +22,9 @@ struct SceneOptions {
   /// Scenes whose bodies might hold more particles than this are refused
   /// (counted from the bodies' bounding boxes).
   std::int64_t max_particles = 2147483647;
+
+  /// A scene without bodies is refused; false where a state is given beside it.
+  bool needs_bodies = true;
 };
 
 /// The scene in `text`. `file_name` is what messages call it, `base_dir` is
