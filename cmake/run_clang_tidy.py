@@ -47,9 +47,13 @@ def main() -> int:
     a.source, a.build = a.source.resolve(), a.build.resolve()
     commands = json.loads((a.build / "compile_commands.json").read_text())
     files = sorted({Path(c["directory"], c["file"]).resolve() for c in commands})
-    files = [f for f in files
-             if f.is_relative_to(a.source) and not f.is_relative_to(a.build)
-             and re.search(a.only, f.relative_to(a.source).as_posix())]
+    files = [
+        f
+        for f in files
+        if f.is_relative_to(a.source)
+        and not f.is_relative_to(a.build)
+        and re.search(a.only, f.relative_to(a.source).as_posix())
+    ]
     if not files:
         print("tidy: no file to look at")
         return 1
@@ -61,8 +65,9 @@ def main() -> int:
         key = fingerprint(file, a.source)
         if stamp.is_file() and stamp.read_text() == key:
             return file, 0, ""
-        run = subprocess.run([a.clang_tidy, "-p", str(a.build), "--quiet", str(file)],
-                             capture_output=True, text=True)
+        run = subprocess.run(
+            [a.clang_tidy, "-p", str(a.build), "--quiet", str(file)], capture_output=True, text=True
+        )
         if run.returncode == 0:
             stamp.write_text(key)
         return file, run.returncode, run.stdout + run.stderr
@@ -73,7 +78,10 @@ def main() -> int:
             if status:
                 failed += 1
                 print(text)
-            print(f"tidy: {'FINDINGS' if status else 'clean'} {file.relative_to(a.source)}", flush=True)
+            print(
+                f"tidy: {'FINDINGS' if status else 'clean'} {file.relative_to(a.source)}",
+                flush=True,
+            )
     print(f"tidy: {len(files)} files, {failed} with findings")
     return 1 if failed else 0
 

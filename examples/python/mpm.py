@@ -13,8 +13,15 @@ import tomllib
 import h5py
 import numpy as np
 
-ARRAYS = {"v": "velocity", "m": "mass", "V_0": "volume", "F_E": "F_E", "F_P": "F_P",
-          "id": "id", "material": "material"}
+ARRAYS = {
+    "v": "velocity",
+    "m": "mass",
+    "V_0": "volume",
+    "F_E": "F_E",
+    "F_P": "F_P",
+    "id": "id",
+    "material": "material",
+}
 
 
 def read(path):
@@ -23,8 +30,8 @@ def read(path):
         vtk = file["VTKHDF"]
         n = vtk["NumberOfPoints"][0]
         first = vtk["Steps/PointOffsets"][vtk["Steps"].attrs["NSteps"] - 1]
-        state = {key: vtk["PointData"][name][first:first + n] for key, name in ARRAYS.items()}
-        state["x"] = vtk["Points"][first:first + n]
+        state = {key: vtk["PointData"][name][first : first + n] for key, name in ARRAYS.items()}
+        state["x"] = vtk["Points"][first : first + n]
         time = vtk["Steps/Values"][-1]
     for key in "F_E", "F_P":
         state[key] = state[key].reshape(n, 3, 3)
@@ -56,7 +63,7 @@ def stencil(x, scene):
     s = X - np.floor(X)  # the four nodes along an axis are 1+s, s, 1-s, 2-s away
     t = 1 - s
     N = np.stack([t**3 / 6, (s / 2 - 1) * s**2 + 2 / 3, (t / 2 - 1) * t**2 + 2 / 3, s**3 / 6], 2)
-    dN = np.stack([-t**2 / 2, (1.5 * s - 2) * s, -(1.5 * t - 2) * t, s**2 / 2], 2) / h
+    dN = np.stack([-(t**2) / 2, (1.5 * s - 2) * s, -(1.5 * t - 2) * t, s**2 / 2], 2) / h
 
     def product(a, b, c):
         return np.einsum("pi,pj,pk->pijk", a[:, 0], b[:, 1], c[:, 2]).reshape(len(x), 64)

@@ -7,7 +7,17 @@ from pathlib import Path
 
 import h5py
 
-from . import InputError, baseline, check, page, readme_table, results, results_page, trajectory, trajectory_page
+from . import (
+    InputError,
+    baseline,
+    check,
+    page,
+    readme_table,
+    results,
+    results_page,
+    trajectory,
+    trajectory_page,
+)
 from .trajectory import text_attribute
 
 
@@ -19,20 +29,51 @@ def file_format(path):
                 if node is not None and "format" in node.attrs:
                     return text_attribute(node, "format")
     except OSError as error:
-        reason = "no such file" if not Path(path).exists() else f"not an HDF5 file: {error}".splitlines()[0]
+        reason = (
+            "no such file"
+            if not Path(path).exists()
+            else f"not an HDF5 file: {error}".splitlines()[0]
+        )
         raise InputError(f"{path}: {reason}") from None
     raise InputError(f"{path}: no attribute `format`: allowed: firn-trajectory, firn-results")
 
 
 def parse(arguments):
-    parser = argparse.ArgumentParser("firn report", description="One self-contained HTML page from a trajectory or from results.")
+    parser = argparse.ArgumentParser(
+        "firn report", description="One self-contained HTML page from a trajectory or from results."
+    )
     parser.add_argument("file", metavar="FILE", help="a trajectory (.vtkhdf) or results (.h5)")
-    parser.add_argument("--check", action="append", default=[], metavar="JSON", help="output of `firn check --json`; may be repeated")
-    parser.add_argument("--baseline", metavar="OLD", help="older results; exit 1 if something became worse than --threshold allows")
-    parser.add_argument("--threshold", type=float, default=baseline.THRESHOLD, metavar="SHARE",
-                        help="of --baseline: changes up to this share pass (default: %(default)s)")
-    parser.add_argument("--readme-table", action="store_true", help="print the summary of results as Markdown and write no page")
-    parser.add_argument("-o", "--output", default="report", metavar="DIR", help="folder of the page (default: report)")
+    parser.add_argument(
+        "--check",
+        action="append",
+        default=[],
+        metavar="JSON",
+        help="output of `firn check --json`; may be repeated",
+    )
+    parser.add_argument(
+        "--baseline",
+        metavar="OLD",
+        help="older results; exit 1 if something became worse than --threshold allows",
+    )
+    parser.add_argument(
+        "--threshold",
+        type=float,
+        default=baseline.THRESHOLD,
+        metavar="SHARE",
+        help="of --baseline: changes up to this share pass (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--readme-table",
+        action="store_true",
+        help="print the summary of results as Markdown and write no page",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="report",
+        metavar="DIR",
+        help="folder of the page (default: report)",
+    )
     return parser.parse_args(arguments)
 
 

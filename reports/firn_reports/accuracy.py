@@ -38,7 +38,11 @@ def command(problem):
 
 
 def problems(cases):
-    return list(dict.fromkeys(c["problem"] for c in sorted(cases, key=lambda c: str(c["problem"]), reverse=True)))
+    return list(
+        dict.fromkeys(
+            c["problem"] for c in sorted(cases, key=lambda c: str(c["problem"]), reverse=True)
+        )
+    )
 
 
 def figures(results):
@@ -62,7 +66,10 @@ def best_covered(cases, key):
         groups.setdefault((c["solver"], c["precision"]), []).append(c)
     if not groups:
         return []
-    return max(groups.values(), key=lambda g: (len({c[key] for c in g}), g[0]["precision"] == "double", g[0]["solver"]))
+    return max(
+        groups.values(),
+        key=lambda g: (len({c[key] for c in g}), g[0]["precision"] == "double", g[0]["solver"]),
+    )
 
 
 def draw_lines(axes, cases, x):
@@ -81,13 +88,27 @@ def error_over_h(problem, cases):
     if len(h) > 1:
         top = max(c.value("error") for c in shown)
         for order, dash in ((1, ":"), (2, "--")):
-            axes.plot(h, 0.7 * top * (h / h[-1]) ** order, color=MUTED, linewidth=1, linestyle=dash, label=f"order {order}")
+            axes.plot(
+                h,
+                0.7 * top * (h / h[-1]) ** order,
+                color=MUTED,
+                linewidth=1,
+                linestyle=dash,
+                label=f"order {order}",
+            )
     log_axis(axes, "x", 2)
     log_axis(axes, "y")
     axes.set_xlabel("h [m]")
     axes.set_ylabel("relative error of u")
     legend(axes, ncols=2)
-    return [Figure(f"{problem}: error over h", to_svg(figure), command=command(problem), caption=f"Explicit, CFL 0.4; {len(h)} resolutions.")]
+    return [
+        Figure(
+            f"{problem}: error over h",
+            to_svg(figure),
+            command=command(problem),
+            caption=f"Explicit, CFL 0.4; {len(h)} resolutions.",
+        )
+    ]
 
 
 def error_over_step(problem, cases):
@@ -107,8 +128,14 @@ def error_over_step(problem, cases):
     axes.set_xlabel("c Δt / h")
     axes.set_ylabel("relative error of u")
     legend(axes, ncols=2)
-    return [Figure(f"{problem}: error over Δt, {cells} cells", to_svg(figure), command=command(problem),
-                   caption="With a fixed α < 1 a smaller Δt damps more per second and the error grows.")]
+    return [
+        Figure(
+            f"{problem}: error over Δt, {cells} cells",
+            to_svg(figure),
+            command=command(problem),
+            caption="With a fixed α < 1 a smaller Δt damps more per second and the error grows.",
+        )
+    ]
 
 
 def pareto(points):
@@ -127,13 +154,30 @@ def draw_front(axes, cases, method):
     for i, name in enumerate(sorted({method(c) for c in cases})):
         points = [(c.value("time"), c.value("error")) for c in cases if method(c) == name]
         colour, marker = SERIES[i % 8], MARKERS[i % 8]
-        axes.plot(*zip(*points), color=colour, marker=marker, linestyle="none", markersize=3.5, alpha=0.45)
+        axes.plot(
+            *zip(*points), color=colour, marker=marker, linestyle="none", markersize=3.5, alpha=0.45
+        )
         front = [points[k] for k in pareto(points)]
-        axes.plot(*zip(*front), color=colour, marker=marker, linewidth=1.2, drawstyle="steps-post", label=name)
+        axes.plot(
+            *zip(*front),
+            color=colour,
+            marker=marker,
+            linewidth=1.2,
+            drawstyle="steps-post",
+            label=name,
+        )
     points = [(c.value("time"), c.value("error")) for c in cases]
     front = pareto(points)
-    axes.plot([points[i][0] for i in front], [points[i][1] for i in front], linestyle="none", marker="o", markersize=10,
-              fillstyle="none", color=INK, label="Pareto front of all")
+    axes.plot(
+        [points[i][0] for i in front],
+        [points[i][1] for i in front],
+        linestyle="none",
+        marker="o",
+        markersize=10,
+        fillstyle="none",
+        color=INK,
+        label="Pareto front of all",
+    )
     log_axis(axes, "x")
     log_axis(axes, "y")
     axes.set_xlabel("wall time [s]")
@@ -145,13 +189,21 @@ def work_precision(problem, cases):
     cases = [c for c in cases if c.value("time")]
     figure, axes = panel(4.6, 3.3 + 0.17 * len({method(c) for c in cases}))
     draw_front(axes, cases, method)
-    return Figure(f"{problem}: run time against error", to_svg(figure), command=command(problem),
-                  caption="Down and left is better. Pale: every run, over h, Δt, α and β; lines: the front of each method; ringed: nobody is both faster and more accurate.")
+    return Figure(
+        f"{problem}: run time against error",
+        to_svg(figure),
+        command=command(problem),
+        caption="Down and left is better. Pale: every run, over h, Δt, α and β; lines: the front of each method; ringed: nobody is both faster and more accurate.",
+    )
 
 
 def reaching(cases, target):
     """The fastest case whose error is at most `target`, or None."""
-    return min((c for c in cases if c.value("time") and c.value("error") <= target), key=lambda c: c.value("time"), default=None)
+    return min(
+        (c for c in cases if c.value("time") and c.value("error") <= target),
+        key=lambda c: c.value("time"),
+        default=None,
+    )
 
 
 def time_to_error(results):
@@ -161,15 +213,55 @@ def time_to_error(results):
     for problem in problems(cases):
         mine = [c for c in cases if c["problem"] == problem]
         for target in TARGETS:
-            found = [(name, reaching([c for c in mine if method(c) == name], target)) for name in sorted({method(c) for c in mine})]
+            found = [
+                (name, reaching([c for c in mine if method(c) == name], target))
+                for name in sorted({method(c) for c in mine})
+            ]
             found = [(name, c) for name, c in found if c is not None]
             fastest = min((c.value("time") for _, c in found), default=None)
             for name, c in sorted(found, key=lambda f: f[1].value("time")):
-                rows.append([problem, target, name, c.value("time"), c.value("time") / fastest, c.value("error"), c["cells"], c["cfl"],
-                             str(c["alpha_policy"]), integration(c), Code(c.command)])
-    return [Table("time_to_error", "Time to reach a given error", ["problem", "error asked for", "method", "wall time [s]", "times the fastest", "error reached",
-                  "cells", "CFL", "α", "integration", "measure again"], rows, "The fastest run over h, Δt, α and β whose error is small enough. A method without a row did not get there in any run.",
-                  "firn bench accuracy", open=True)] if rows else []
+                rows.append(
+                    [
+                        problem,
+                        target,
+                        name,
+                        c.value("time"),
+                        c.value("time") / fastest,
+                        c.value("error"),
+                        c["cells"],
+                        c["cfl"],
+                        str(c["alpha_policy"]),
+                        integration(c),
+                        Code(c.command),
+                    ]
+                )
+    return (
+        [
+            Table(
+                "time_to_error",
+                "Time to reach a given error",
+                [
+                    "problem",
+                    "error asked for",
+                    "method",
+                    "wall time [s]",
+                    "times the fastest",
+                    "error reached",
+                    "cells",
+                    "CFL",
+                    "α",
+                    "integration",
+                    "measure again",
+                ],
+                rows,
+                "The fastest run over h, Δt, α and β whose error is small enough. A method without a row did not get there in any run.",
+                "firn bench accuracy",
+                open=True,
+            )
+        ]
+        if rows
+        else []
+    )
 
 
 def order_rows(results):
@@ -177,25 +269,80 @@ def order_rows(results):
     rows = []
     cases = [c for c in quoted(results) if is_explicit(c) and c["cfl"] == 0.4]
     for coarse in cases:
-        fine = next((f for f in cases if f["h"] == coarse["h"] / 2 and line_name(f) == line_name(coarse) and f["problem"] == coarse["problem"]), None)
+        fine = next(
+            (
+                f
+                for f in cases
+                if f["h"] == coarse["h"] / 2
+                and line_name(f) == line_name(coarse)
+                and f["problem"] == coarse["problem"]
+            ),
+            None,
+        )
         if fine:
             rows.append((coarse, fine, float(np.log2(coarse.value("error") / fine.value("error")))))
     return sorted(rows, key=lambda r: (str(r[0]["problem"]), line_name(r[0]), -r[0]["h"]))
 
 
 def order_table(results):
-    rows = [[c["problem"], c["solver"], c["precision"], str(c["alpha_policy"]), c["cells"], f["cells"], c.value("error"), f.value("error"), order, Code(f.command)]
-            for c, f, order in order_rows(results)]
-    return [Table("orders", "Observed orders", ["problem", "solver", "precision", "α", "cells", "finer", "error", "finer error", "order", "measure again"], rows,
-                  "Order between two resolutions, Δt ∝ h.", "firn bench accuracy")] if rows else []
+    rows = [
+        [
+            c["problem"],
+            c["solver"],
+            c["precision"],
+            str(c["alpha_policy"]),
+            c["cells"],
+            f["cells"],
+            c.value("error"),
+            f.value("error"),
+            order,
+            Code(f.command),
+        ]
+        for c, f, order in order_rows(results)
+    ]
+    return (
+        [
+            Table(
+                "orders",
+                "Observed orders",
+                [
+                    "problem",
+                    "solver",
+                    "precision",
+                    "α",
+                    "cells",
+                    "finer",
+                    "error",
+                    "finer error",
+                    "order",
+                    "measure again",
+                ],
+                rows,
+                "Order between two resolutions, Δt ∝ h.",
+                "firn bench accuracy",
+            )
+        ]
+        if rows
+        else []
+    )
 
 
 def best_order(results):
     """The order of the standing wave without damping, from the coarsest to the finest of the solver with most resolutions."""
-    cases = [c for c in quoted(results) if c["problem"] == "standing wave" and is_explicit(c) and c["cfl"] == 0.4 and str(c["alpha_policy"]) == "1" and c["precision"] == "double"]
+    cases = [
+        c
+        for c in quoted(results)
+        if c["problem"] == "standing wave"
+        and is_explicit(c)
+        and c["cfl"] == 0.4
+        and str(c["alpha_policy"]) == "1"
+        and c["precision"] == "double"
+    ]
     line = sorted(best_covered(cases, "h"), key=lambda c: -c["h"])
     if len(line) < 2:
         return None
     coarse, fine = line[0], line[-1]
     order = np.log(coarse.value("error") / fine.value("error")) / np.log(coarse["h"] / fine["h"])
-    return float(order), f"standing wave, α = 1, {coarse['cells']} to {fine['cells']} cells, {coarse['solver']}"
+    return float(
+        order
+    ), f"standing wave, α = 1, {coarse['cells']} to {fine['cells']} cells, {coarse['solver']}"

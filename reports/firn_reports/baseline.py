@@ -15,9 +15,9 @@ class Change:
     units: str
     old: float
     new: float
-    ratio: float        # > 1: worse, whichever direction is better
+    ratio: float  # > 1: worse, whichever direction is better
     uncertainty: float  # of the ratio, relative
-    kind: str           # "worse", "better", "same", "drowned"
+    kind: str  # "worse", "better", "same", "drowned"
 
 
 def median_error(values):
@@ -32,7 +32,11 @@ def median_error(values):
 def machine_ratio(new, old):
     """How much slower the machine itself was, by the fixed loop of all cases of both runs."""
     loops = [np.concatenate([c.calibration for c in r.cases] or [np.ones(1)]) for r in (new, old)]
-    return float(np.median(loops[0]) / np.median(loops[1])) if all(len(x) and np.median(x) > 0 for x in loops) else 1.0
+    return (
+        float(np.median(loops[0]) / np.median(loops[1]))
+        if all(len(x) and np.median(x) > 0 for x in loops)
+        else 1.0
+    )
 
 
 # Units of what a slower machine changes; a ratio or a number of bytes does not know it.
@@ -42,7 +46,11 @@ CLOCKED = ("ns", "s", "flop/s", "B/s", "particle-steps/s")
 def machine_change(case, before):
     """By how much the fixed loop around the two measurements of a case differed, as a share."""
     loops = [np.median(c.calibration) if len(c.calibration) else np.nan for c in (case, before)]
-    return abs(float(loops[0] / loops[1]) - 1) if np.all(np.isfinite(loops)) and min(loops) > 0 else 0.0
+    return (
+        abs(float(loops[0] / loops[1]) - 1)
+        if np.all(np.isfinite(loops)) and min(loops) > 0
+        else 0.0
+    )
 
 
 def compare(new, old, threshold=THRESHOLD):
@@ -58,7 +66,12 @@ def compare(new, old, threshold=THRESHOLD):
                 continue  # the same repetitions, upside down
             if name != "speedup" and "speedup" in case.quantities:
                 continue  # what was interleaved is judged by its ratio alone
-            if reference is None or quantity.better == "neither" or not len(quantity.values) or not len(reference.values):
+            if (
+                reference is None
+                or quantity.better == "neither"
+                or not len(quantity.values)
+                or not len(reference.values)
+            ):
                 continue
             if quantity.median <= 0 or reference.median <= 0:
                 continue
@@ -74,11 +87,27 @@ def compare(new, old, threshold=THRESHOLD):
                 kind = "drowned"
             else:
                 kind = "worse" if ratio > limit else "better" if ratio < 1 / limit else "same"
-            changes.append(Change(case, name, quantity.units, reference.median, quantity.median, float(ratio), float(noise), kind))
+            changes.append(
+                Change(
+                    case,
+                    name,
+                    quantity.units,
+                    reference.median,
+                    quantity.median,
+                    float(ratio),
+                    float(noise),
+                    kind,
+                )
+            )
     return changes
 
 
 def appeared_broken(new, old):
     """Cases that were fine in the old file and are invalid or failed now."""
-    return [case for case in new.cases if case.status in ("invalid", "failed")
-            and (before := old.find(case.suite, case.name)) is not None and before.status not in ("invalid", "failed")]
+    return [
+        case
+        for case in new.cases
+        if case.status in ("invalid", "failed")
+        and (before := old.find(case.suite, case.name)) is not None
+        and before.status not in ("invalid", "failed")
+    ]

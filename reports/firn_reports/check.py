@@ -18,7 +18,9 @@ def read(path):
     except json.JSONDecodeError as error:
         raise InputError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
     if not isinstance(check, dict) or check.get("verdict") not in KIND or "fields" not in check:
-        raise InputError(f"{path}: no `verdict` and `fields`: allowed: what `firn check --json` prints")
+        raise InputError(
+            f"{path}: no `verdict` and `fields`: allowed: what `firn check --json` prints"
+        )
     return check
 
 
@@ -37,18 +39,25 @@ def sentence(check):
     divergence = check.get("first_divergence")
     if divergence:
         return f"{text}: {divergence.get('message') or 'diverges first in ' + divergence.get('through', '?')}"
-    return f"{text}: largest error {number(float(check.get('largest_in_bounds', 0)), 2)} of its bound"
+    return (
+        f"{text}: largest error {number(float(check.get('largest_in_bounds', 0)), 2)} of its bound"
+    )
 
 
 def command(check):
-    return (f"firn check {check.get('scene', 'SCENE')} --solver {check.get('subject', '?')} "
-            f"--against {check.get('reference', 'reference')} --precision {check.get('precision', 'double')} "
-            f"--mode {check.get('mode', 'lockstep')} --steps {check.get('steps', 1)} --json")
+    return (
+        f"firn check {check.get('scene', 'SCENE')} --solver {check.get('subject', '?')} "
+        f"--against {check.get('reference', 'reference')} --precision {check.get('precision', 'double')} "
+        f"--mode {check.get('mode', 'lockstep')} --steps {check.get('steps', 1)} --json"
+    )
 
 
 def section(checks):
-    result = Section("check", "Stage by stage against the reference",
-                     "Every field that a stage writes, in units of the bound that roundoff allows it. At 1 the bound is reached.")
+    result = Section(
+        "check",
+        "Stage by stage against the reference",
+        "Every field that a stage writes, in units of the bound that roundoff allows it. At 1 the bound is reached.",
+    )
     for i, check in enumerate(checks, 1):
         result.figures.append(figure(check))
         result.tables += [fields_table(check, i), properties_table(check, i)]
@@ -57,7 +66,11 @@ def section(checks):
 
 
 def stages(row):
-    return row["through"] if row.get("from") == row.get("through") else f"{row.get('from')} … {row.get('through')}"
+    return (
+        row["through"]
+        if row.get("from") == row.get("through")
+        else f"{row.get('from')} … {row.get('through')}"
+    )
 
 
 def figure(check):
@@ -70,7 +83,13 @@ def figure(check):
     plot, axes = panel(4.6, 0.9 + 0.21 * max(len(labels), 4))
     finite = np.where(np.isfinite(values), np.maximum(values, 1e-4), 1e6)
     for y, value in enumerate(finite):
-        axes.plot([1e-4, value], [y, y], color=SERIES[0] if value <= 1 else BAD, linewidth=4, solid_capstyle="butt")
+        axes.plot(
+            [1e-4, value],
+            [y, y],
+            color=SERIES[0] if value <= 1 else BAD,
+            linewidth=4,
+            solid_capstyle="butt",
+        )
     axes.axvline(1, color=BAD, linewidth=1, linestyle="--")
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels) - 0.5, -0.5)
@@ -82,19 +101,67 @@ def figure(check):
 
 
 def fields_table(check, i):
-    columns = ["stage", "field", "units", "values compared", "largest error", "rms error", "largest relative", "largest in bounds",
-               "rms in bounds", "worst at", "solver", "reference", "verdict"]
+    columns = [
+        "stage",
+        "field",
+        "units",
+        "values compared",
+        "largest error",
+        "rms error",
+        "largest relative",
+        "largest in bounds",
+        "rms in bounds",
+        "worst at",
+        "solver",
+        "reference",
+        "verdict",
+    ]
     rows = []
     for row in check["fields"]:
         worst = row.get("worst", {})
-        place = f"node {tuple(worst['node'])}" if "node" in worst else f"particle {worst['particle']}" if "particle" in worst else "–"
-        rows.append([stages(row), row["field"], row.get("units"), row.get("compared"), row.get("largest_absolute"), row.get("rms_absolute"),
-                     row.get("largest_relative"), row["largest_in_bounds"], row.get("rms_in_bounds"), place,
-                     worst.get("subject"), worst.get("reference"), Mark(row["verdict"], KIND.get(row["verdict"], "warn"))])
-    return Table(f"check_{i}_fields", f"{name(check)}: fields", columns, rows, command=command(check))
+        place = (
+            f"node {tuple(worst['node'])}"
+            if "node" in worst
+            else f"particle {worst['particle']}"
+            if "particle" in worst
+            else "–"
+        )
+        rows.append(
+            [
+                stages(row),
+                row["field"],
+                row.get("units"),
+                row.get("compared"),
+                row.get("largest_absolute"),
+                row.get("rms_absolute"),
+                row.get("largest_relative"),
+                row["largest_in_bounds"],
+                row.get("rms_in_bounds"),
+                place,
+                worst.get("subject"),
+                worst.get("reference"),
+                Mark(row["verdict"], KIND.get(row["verdict"], "warn")),
+            ]
+        )
+    return Table(
+        f"check_{i}_fields", f"{name(check)}: fields", columns, rows, command=command(check)
+    )
 
 
 def properties_table(check, i):
-    rows = [[row["name"], row["compared"], Mark(row["verdict"], KIND.get(row["verdict"], "warn")), row["detail"]]
-            for row in check.get("properties", [])]
-    return Table(f"check_{i}_properties", f"{name(check)}: properties", ["property", "compared", "verdict", "detail"], rows, command=command(check))
+    rows = [
+        [
+            row["name"],
+            row["compared"],
+            Mark(row["verdict"], KIND.get(row["verdict"], "warn")),
+            row["detail"],
+        ]
+        for row in check.get("properties", [])
+    ]
+    return Table(
+        f"check_{i}_properties",
+        f"{name(check)}: properties",
+        ["property", "compared", "verdict", "detail"],
+        rows,
+        command=command(check),
+    )

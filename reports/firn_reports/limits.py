@@ -17,8 +17,16 @@ def limit(case, quantity):
 
 
 # What is varied, where the axis is logarithmic, and how it is written.
-AXES = {"E": "E [Pa]", "h": "h [m]", "alpha": "α", "beta": "β", "J_P": "J_P", "hardening at J_P = 0.8": "ξ at J_P = 0.8", "jitter": "jitter, in sub-cells",
-        "beta at alpha = 0": "β at α = 0"}
+AXES = {
+    "E": "E [Pa]",
+    "h": "h [m]",
+    "alpha": "α",
+    "beta": "β",
+    "J_P": "J_P",
+    "hardening at J_P = 0.8": "ξ at J_P = 0.8",
+    "jitter": "jitter, in sub-cells",
+    "beta at alpha = 0": "β at α = 0",
+}
 LOGARITHMIC = ("h", "particles per cell", "particles per cell, estimated volumes")
 HARDENED = ("J_P", "hardening at J_P = 0.8")
 NEVER = " No prediction: the particles do not sample every wave evenly."
@@ -27,25 +35,60 @@ LONE = "place of a lone particle"
 
 def worst_limit(results):
     """(distance from the prediction, which, case) where it is largest."""
-    rows = [(abs(c.value("cfl") / expected(c) - 1), f"{AXES.get(c['varied'], c['varied'])}: {number(c['value'])}", c) for c in results.suite("stability")
-            if c.quotable and expected(c) is not None and limit(c, "cfl") is not None]
+    rows = [
+        (
+            abs(c.value("cfl") / expected(c) - 1),
+            f"{AXES.get(c['varied'], c['varied'])}: {number(c['value'])}",
+            c,
+        )
+        for c in results.suite("stability")
+        if c.quotable and expected(c) is not None and limit(c, "cfl") is not None
+    ]
     return max(rows, key=lambda row: row[0], default=None)
 
 
 def stability(results):
     cases = [c for c in results.suite("stability") if c.quotable]
-    varied = list(dict.fromkeys(c["varied"] for c in sorted(cases, key=lambda c: (c["varied"] not in AXES, list(AXES).index(c["varied"]) if c["varied"] in AXES else 0))))
+    varied = list(
+        dict.fromkeys(
+            c["varied"]
+            for c in sorted(
+                cases,
+                key=lambda c: (
+                    c["varied"] not in AXES,
+                    list(AXES).index(c["varied"]) if c["varied"] in AXES else 0,
+                ),
+            )
+        )
+    )
     made = seconds(cases)
-    made += [stability_map(name, [c for c in cases if c["varied"] == name]) for name in varied if name != "E" and not name.startswith((LONE, "E at"))]
+    made += [
+        stability_map(name, [c for c in cases if c["varied"] == name])
+        for name in varied
+        if name != "E" and not name.startswith((LONE, "E at"))
+    ]
     return made + lone_particle([c for c in cases if c["varied"].startswith(LONE)])
 
 
 def draw_tries(axes, cases, scale=lambda case: 1.0):
     """Every step that the bisections tried: a dot where the run was stable, a cross where it burst."""
     for outcome, marker, colour in (("stable", "o", GOOD), ("unstable", "x", BAD)):
-        points = [(c["value"], value * scale(c)) for c in cases if outcome in c.quantities for value in c.quantities[outcome].values]
+        points = [
+            (c["value"], value * scale(c))
+            for c in cases
+            if outcome in c.quantities
+            for value in c.quantities[outcome].values
+        ]
         if points:
-            axes.plot(*zip(*points), linestyle="none", marker=marker, markersize=3.5, color=colour, alpha=0.6, label=f"tried, {outcome}")
+            axes.plot(
+                *zip(*points),
+                linestyle="none",
+                marker=marker,
+                markersize=3.5,
+                color=colour,
+                alpha=0.6,
+                label=f"tried, {outcome}",
+            )
 
 
 def stability_map(varied, cases):
@@ -53,17 +96,33 @@ def stability_map(varied, cases):
     figure, axes = panel(4.6, 3.3)
     hardened = varied in HARDENED
     # Where hardening is varied, in units of the sound speed without it: so one sees what it costs.
-    scale = (lambda c: np.exp(-0.5 * c["hardening"] * (1 - c["J_P"]))) if hardened else (lambda c: 1.0)
+    scale = (
+        (lambda c: np.exp(-0.5 * c["hardening"] * (1 - c["J_P"]))) if hardened else (lambda c: 1.0)
+    )
     at = lambda c, quantity: None if limit(c, quantity) is None else scale(c) * limit(c, quantity)
     found = [at(c, "cfl") for c in cases if limit(c, "cfl") is not None]
     top = 1.35 * max(found, default=LARGEST_TRIED)
     draw_tries(axes, cases, scale)
     for solver, style in styles(sorted({c["solver"] for c in cases})).items():
         line = sorted([c for c in cases if c["solver"] == solver], key=lambda c: c["value"])
-        axes.plot([c["value"] for c in line], [at(c, "cfl") for c in line], label=f"limit, {solver}", **style)
-    predicted = sorted([c for c in cases if "predicted_cfl" in c.quantities], key=lambda c: c["value"])
+        axes.plot(
+            [c["value"] for c in line],
+            [at(c, "cfl") for c in line],
+            label=f"limit, {solver}",
+            **style,
+        )
+    predicted = sorted(
+        [c for c in cases if "predicted_cfl" in c.quantities], key=lambda c: c["value"]
+    )
     if predicted:
-        axes.plot([c["value"] for c in predicted], [at(c, "predicted_cfl") for c in predicted], color=INK, linestyle="--", linewidth=1.2, label="predicted")
+        axes.plot(
+            [c["value"] for c in predicted],
+            [at(c, "predicted_cfl") for c in predicted],
+            color=INK,
+            linestyle="--",
+            linewidth=1.2,
+            label="predicted",
+        )
     if varied in LOGARITHMIC:
         log_axis(axes, "x")
     axes.set_ylim(0, top)
@@ -74,9 +133,22 @@ def stability_map(varied, cases):
     axes.set_ylabel("c Δt / h, c without hardening" if hardened else "c Δt / h")
     unlimited = [c["value"] for c in cases if limit(c, "cfl") is None]
     if unlimited:
-        axes.plot(unlimited, [0.96 * top] * len(unlimited), linestyle="none", marker="^", markersize=9, color=MUTED, label=f"no limit up to {LARGEST_TRIED}")
+        axes.plot(
+            unlimited,
+            [0.96 * top] * len(unlimited),
+            linestyle="none",
+            marker="^",
+            markersize=9,
+            color=MUTED,
+            label=f"no limit up to {LARGEST_TRIED}",
+        )
     legend(axes, ncols=2)
-    return Figure(f"Stable steps over {AXES.get(varied, varied)}", to_svg(figure), command=f"firn bench 'stability/*,{varied}=*'", caption=off_by(predicted) if predicted else NEVER.strip())
+    return Figure(
+        f"Stable steps over {AXES.get(varied, varied)}",
+        to_svg(figure),
+        command=f"firn bench 'stability/*,{varied}=*'",
+        caption=off_by(predicted) if predicted else NEVER.strip(),
+    )
 
 
 def expected(case):
@@ -86,8 +158,14 @@ def expected(case):
 
 def off_by(cases):
     """How far limits lie from their predictions."""
-    off = [abs(c.value("cfl") / expected(c) - 1) for c in cases if expected(c) is not None and limit(c, "cfl") is not None]
-    return f"Largest distance of a limit from its prediction: {100 * max(off):.2g} %." if off else ""
+    off = [
+        abs(c.value("cfl") / expected(c) - 1)
+        for c in cases
+        if expected(c) is not None and limit(c, "cfl") is not None
+    ]
+    return (
+        f"Largest distance of a limit from its prediction: {100 * max(off):.2g} %." if off else ""
+    )
 
 
 def seconds(cases):
@@ -98,17 +176,37 @@ def seconds(cases):
     figure, axes = panel(4.6, 3.3)
     in_seconds = lambda c: c.value("step") / c.value("cfl")
     draw_tries(axes, [c for c in shown], in_seconds)
-    for name, style in styles(f"h = {c['h']} m" for c in sorted(shown, key=lambda c: c["h"])).items():
+    for name, style in styles(
+        f"h = {c['h']} m" for c in sorted(shown, key=lambda c: c["h"])
+    ).items():
         line = sorted([c for c in shown if f"h = {c['h']} m" == name], key=lambda c: c["value"])
-        axes.plot([c["value"] for c in line], [c.value("step") for c in line], label=f"limit, {name}", **style)
-        axes.plot([c["value"] for c in line], [c.value("predicted_cfl") * in_seconds(c) for c in line], color=INK, linestyle="--", linewidth=1.2,
-                  label=None if style["color"] != SERIES[0] else "predicted")
+        axes.plot(
+            [c["value"] for c in line],
+            [c.value("step") for c in line],
+            label=f"limit, {name}",
+            **style,
+        )
+        axes.plot(
+            [c["value"] for c in line],
+            [c.value("predicted_cfl") * in_seconds(c) for c in line],
+            color=INK,
+            linestyle="--",
+            linewidth=1.2,
+            label=None if style["color"] != SERIES[0] else "predicted",
+        )
     log_axis(axes, "x")
     log_axis(axes, "y")
     axes.set_xlabel("E [Pa]")
     axes.set_ylabel("Δt [s]")
     legend(axes, ncols=2)
-    return [Figure("Stable steps in seconds, over E and h", to_svg(figure), command="firn bench 'stability/*,E*'", caption=off_by(shown) + " ρ = 400 kg/m³, ν = 0.2, α = 0.95, 8 particles per cell.")]
+    return [
+        Figure(
+            "Stable steps in seconds, over E and h",
+            to_svg(figure),
+            command="firn bench 'stability/*,E*'",
+            caption=off_by(shown) + " ρ = 400 kg/m³, ν = 0.2, α = 0.95, 8 particles per cell.",
+        )
+    ]
 
 
 def lone_particle(cases):
@@ -117,21 +215,42 @@ def lone_particle(cases):
         return []
     figure, axes = panel(4.6, 3.3)
     draw_tries(axes, [c for c in cases if c["solver"] != "reference"])
-    name_of = lambda c: c["varied"].split(", ")[1] + (", reference" if c["solver"] == "reference" else "")
-    for name, style in styles(name_of(c) for c in sorted(cases, key=lambda c: (c["solver"], c["varied"]))).items():
+    name_of = lambda c: (
+        c["varied"].split(", ")[1] + (", reference" if c["solver"] == "reference" else "")
+    )
+    for name, style in styles(
+        name_of(c) for c in sorted(cases, key=lambda c: (c["solver"], c["varied"]))
+    ).items():
         line = sorted([c for c in cases if name_of(c) == name], key=lambda c: c["value"])
         axes.plot([c["value"] for c in line], [c.value("cfl") for c in line], label=name, **style)
     for i, kind in enumerate(sorted({c["varied"] for c in cases})):
-        line = sorted([c for c in cases if c["varied"] == kind and c["solver"] != "reference"], key=lambda c: c["value"])
-        axes.plot([c["value"] for c in line], [c.value("predicted_cfl") for c in line], color=INK, linestyle="--", linewidth=1.2, label="predicted" if i == 0 else None)
+        line = sorted(
+            [c for c in cases if c["varied"] == kind and c["solver"] != "reference"],
+            key=lambda c: c["value"],
+        )
+        axes.plot(
+            [c["value"] for c in line],
+            [c.value("predicted_cfl") for c in line],
+            color=INK,
+            linestyle="--",
+            linewidth=1.2,
+            label="predicted" if i == 0 else None,
+        )
     axes.set_ylim(0, 1.35 * max(c.value("cfl") for c in cases))
     axes.set_xlabel("place in the cell, along each axis [h]; 0: on a node")
     axes.set_ylabel("c Δt / h")
     legend(axes, ncols=2)
-    return [Figure("Stable steps of a lone particle, one per cell", to_svg(figure), command="firn bench 'stability/*,place*'",
-                   caption=off_by(cases) + " Step 2 takes the mass density at the particle's own nodes for the density of the snow: a lone particle, or one that has come off a surface, is "
-                           "given 8 to 10.3 h³ = 1/(ΣN²)³ however little it weighs, and so a third of the stable step. In the bulk at one particle per cell the estimate "
-                           "is right on average, and the limit stays near that of the wave (the panel on estimated volumes).")]
+    return [
+        Figure(
+            "Stable steps of a lone particle, one per cell",
+            to_svg(figure),
+            command="firn bench 'stability/*,place*'",
+            caption=off_by(cases)
+            + " Step 2 takes the mass density at the particle's own nodes for the density of the snow: a lone particle, or one that has come off a surface, is "
+            "given 8 to 10.3 h³ = 1/(ΣN²)³ however little it weighs, and so a third of the stable step. In the bulk at one particle per cell the estimate "
+            "is right on average, and the limit stays near that of the wave (the panel on estimated volumes).",
+        )
+    ]
 
 
 def drift(cases):
@@ -139,14 +258,23 @@ def drift(cases):
     figure, axes = panel()
     for name, style in styles(who(c) for c in cases).items():
         case = next(c for c in cases if who(c) == name)
-        points = sorted((int(q.name.split()[2]), q.median) for q in case.quantities.values() if q.name.startswith("error after"))
+        points = sorted(
+            (int(q.name.split()[2]), q.median)
+            for q in case.quantities.values()
+            if q.name.startswith("error after")
+        )
         axes.plot([p[0] for p in points], [max(p[1], 1e-17) for p in points], label=name, **style)
     log_axis(axes, "x")
     log_axis(axes, "y")
     axes.set_xlabel("steps")
     axes.set_ylabel("RMS velocity off the reference's")
     legend(axes)
-    return Figure("Drift of a ringing elastic block", to_svg(figure), command="firn bench 'float/drift*'", caption="From the same state, left alone, against the reference in double.")
+    return Figure(
+        "Drift of a ringing elastic block",
+        to_svg(figure),
+        command="firn bench 'float/drift*'",
+        caption="From the same state, left alone, against the reference in double.",
+    )
 
 
 # A logarithmic axis has no zero.
@@ -163,8 +291,21 @@ def float_accuracy(results):
         mine = sorted([c for c in cases if c["test"] == test], key=lambda c: c.name)
         rows = [(who(c), *3 * [max(c.value("error"), ZERO)]) for c in mine]
         meaning = next(iter(mine[0].quantities.values())).meaning
-        made.append(Figure(str(mine[0]["what"]), bars(rows, meaning, log=True, text=lambda value: "0" if value <= ZERO else plain(float(f"{value:.3g}"))),
-                           command=f"firn bench 'float/{test}*'", caption="1 would mean that nothing moved." if test in ("creep", "small strain") else ""))
+        made.append(
+            Figure(
+                str(mine[0]["what"]),
+                bars(
+                    rows,
+                    meaning,
+                    log=True,
+                    text=lambda value: "0" if value <= ZERO else plain(float(f"{value:.3g}")),
+                ),
+                command=f"firn bench 'float/{test}*'",
+                caption="1 would mean that nothing moved."
+                if test in ("creep", "small strain")
+                else "",
+            )
+        )
     return made
 
 
@@ -183,7 +324,18 @@ def stress_table(results):
             case = mine.get(solver)
             text = str(case["outcome"] or case.message) if case else "–"
             cells.append(Mark(text, "bad") if case and case.status != "measured" else text)
-        rows.append([situation, any_case["expected"], *cells, Code(f"firn bench 'stress/{situation}*'")])
-    return [Table("stress", "Under stress: what each solver did", ["situation", "expected", *solvers, "measure again"], rows,
-                  "Twenty steps of a few particles. “goes on”: every number stays finite and momentum holds to roundoff; “stops”: the step fails and says where. "
-                  "Going on with a number that is not finite is never right.", "firn bench stress", open=True)]
+        rows.append(
+            [situation, any_case["expected"], *cells, Code(f"firn bench 'stress/{situation}*'")]
+        )
+    return [
+        Table(
+            "stress",
+            "Under stress: what each solver did",
+            ["situation", "expected", *solvers, "measure again"],
+            rows,
+            "Twenty steps of a few particles. “goes on”: every number stays finite and momentum holds to roundoff; “stops”: the step fails and says where. "
+            "Going on with a number that is not finite is never right.",
+            "firn bench stress",
+            open=True,
+        )
+    ]

@@ -16,7 +16,7 @@ class Figure:
     svg: str = ""
     png: bytes = b""
     caption: str = ""
-    command: str = ""   # what measures this again
+    command: str = ""  # what measures this again
     wide: bool = False
 
     @property
@@ -26,29 +26,34 @@ class Figure:
 
 @dataclass
 class Table:
-    name: str            # file name of its CSV, without the ending
+    name: str  # file name of its CSV, without the ending
     title: str
-    columns: list        # texts, units in brackets
-    rows: list           # lists of values; a Mark shows as a coloured word
+    columns: list  # texts, units in brackets
+    rows: list  # lists of values; a Mark shows as a coloured word
     caption: str = ""
     command: str = ""
-    open: bool = False   # long tables are folded
+    open: bool = False  # long tables are folded
 
     def csv(self):
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(self.columns)
-        writer.writerows([["" if v is None else getattr(v, "text", v) for v in row] for row in self.rows])
+        writer.writerows(
+            [["" if v is None else getattr(v, "text", v) for v in row] for row in self.rows]
+        )
         return buffer.getvalue()
 
     @property
     def csv_url(self):
-        return "data:text/csv;charset=utf-8;base64," + base64.b64encode(self.csv().encode()).decode()
+        return (
+            "data:text/csv;charset=utf-8;base64," + base64.b64encode(self.csv().encode()).decode()
+        )
 
 
 @dataclass
 class Mark:
     """A word with a meaning: good, bad or warn."""
+
     text: str
     kind: str
 
@@ -59,6 +64,7 @@ class Mark:
 @dataclass
 class Code:
     """A command or path in a table cell."""
+
     text: str
 
     def __str__(self):
@@ -71,7 +77,7 @@ class Tile:
     value: str
     note: str = ""
     kind: str = ""
-    target: str = ""   # id of the section that tells more
+    target: str = ""  # id of the section that tells more
     command: str = ""  # what measures this again
 
 
@@ -125,12 +131,19 @@ def write(page, directory):
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
     page.sections = [section for section in page.sections if not section.empty()]
-    environment = jinja2.Environment(loader=jinja2.PackageLoader("firn_reports"), autoescape=True,
-                                     trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined)
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("firn_reports"),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
     environment.filters["number"] = number
     environment.tests["mark"] = lambda value: isinstance(value, Mark)
     environment.tests["code"] = lambda value: isinstance(value, Code)
-    environment.tests["numeric"] = lambda value: isinstance(value, (int, float)) and not isinstance(value, bool)
+    environment.tests["numeric"] = lambda value: (
+        isinstance(value, (int, float)) and not isinstance(value, bool)
+    )
     css = environment.loader.get_source(environment, "page.css")[0]
     html = environment.get_template("page.html.jinja").render(page=page, css=css)
     (directory / "index.html").write_text(html, encoding="utf-8")

@@ -14,7 +14,10 @@ def rate_rows(results):
     """One row per solver, precision and deformation: one thread, all threads, speed-up."""
     cases = [c for c in results.suite("steps") if c.quotable]
     rows = []
-    for name in sorted({(c["solver"], c["precision"], c["deformation"]) for c in cases}, key=lambda n: (n[0] != "reference", n)):
+    for name in sorted(
+        {(c["solver"], c["precision"], c["deformation"]) for c in cases},
+        key=lambda n: (n[0] != "reference", n),
+    ):
         mine = [c for c in cases if (c["solver"], c["precision"], c["deformation"]) == name]
         # The largest block that was quoted with one thread and with all; else with one.
         most = max(c["threads"] for c in mine)
@@ -24,18 +27,32 @@ def rate_rows(results):
         if 1 not in at:
             continue
         most = max(at)
-        ratio = next((c for c in results.suite("speedup") if c.quotable and c["threads"] == 1 and
-                      (c["solver"], c["precision"], c["deformation"]) == name), None)
+        ratio = next(
+            (
+                c
+                for c in results.suite("speedup")
+                if c.quotable
+                and c["threads"] == 1
+                and (c["solver"], c["precision"], c["deformation"]) == name
+            ),
+            None,
+        )
         memory = at[1].value("memory")
-        rows.append([f"{name[0]}, {name[1]}, {name[2]}", f"{number(particles)}", million(at[1].value("rate")),
-                     f"{million(at[most].value('rate'))} ({most} T)" if most > 1 else "–",
-                     f"{number(ratio.value('speedup'), 3)}×" if ratio else "–",
-                     f"{number(memory, 3)} B" if memory else "–"])
+        rows.append(
+            [
+                f"{name[0]}, {name[1]}, {name[2]}",
+                f"{number(particles)}",
+                million(at[1].value("rate")),
+                f"{million(at[most].value('rate'))} ({most} T)" if most > 1 else "–",
+                f"{number(ratio.value('speedup'), 3)}×" if ratio else "–",
+                f"{number(memory, 3)} B" if memory else "–",
+            ]
+        )
     return rows
 
 
 def span(values, digits):
-    """"34 to 39", or one number if all are the same."""
+    """ "34 to 39", or one number if all are the same."""
     least, most = number(min(values), digits), number(max(values), digits)
     return least if least == most else f"{least} to {most}"
 
@@ -43,33 +60,71 @@ def span(values, digits):
 def facts(results):
     """(what, figure) of everything else that the summary quotes."""
     found = []
-    if (share := figures.best_share_of_peak(results)):
-        found.append((f"share of the FMA peak of {figures.widest(results)}, {share[1]}, at best, what a plain step needs", f"{number(100 * share[0], 2)} %"))
+    if share := figures.best_share_of_peak(results):
+        found.append(
+            (
+                f"share of the FMA peak of {figures.widest(results)}, {share[1]}, at best, what a plain step needs",
+                f"{number(100 * share[0], 2)} %",
+            )
+        )
     for count, step in (("plain", "a plain step"), ("factored", "the factored step")):
         shares = {}
         for case in results.suite("targets"):
             if (share := case.value(f"FMA peak, {count} count")) is not None:
                 shares.setdefault(case["target"].upper(), []).append(100 * share)
-        found += [(f"share of the FMA peak of {target}, optimized, 100 000 particles, what {step} needs", f"{span(mine, 2)} %") for target, mine in shares.items()]
-    for threads in sorted({c["threads"] for c in results.suite("scaling") if c.value("efficiency") is not None}):
-        mine = [c for c in results.suite("scaling") if c["threads"] == threads and c.value("efficiency") is not None]
+        found += [
+            (
+                f"share of the FMA peak of {target}, optimized, 100 000 particles, what {step} needs",
+                f"{span(mine, 2)} %",
+            )
+            for target, mine in shares.items()
+        ]
+    for threads in sorted(
+        {c["threads"] for c in results.suite("scaling") if c.value("efficiency") is not None}
+    ):
+        mine = [
+            c
+            for c in results.suite("scaling")
+            if c["threads"] == threads and c.value("efficiency") is not None
+        ]
         copies = [c.value(figures.COPIES) for c in mine if c.value(figures.COPIES) is not None]
         beside = f"; {span(copies, 3)}" if copies else ""
-        found.append((f"efficiency of {threads} threads{'; of as many independent copies' if copies else ''}", span([c.value("efficiency") for c in mine], 3) + beside))
-    if (order := accuracy.best_order(results)):
+        found.append(
+            (
+                f"efficiency of {threads} threads{'; of as many independent copies' if copies else ''}",
+                span([c.value("efficiency") for c in mine], 3) + beside,
+            )
+        )
+    if order := accuracy.best_order(results):
         found.append((f"observed order, {order[1]}", number(order[0], 3)))
-    if (worst := limits.worst_limit(results)):
-        found.append((f"stability limits, largest distance from prediction ({worst[1]})", f"{number(100 * worst[0], 2)} %"))
+    if worst := limits.worst_limit(results):
+        found.append(
+            (
+                f"stability limits, largest distance from prediction ({worst[1]})",
+                f"{number(100 * worst[0], 2)} %",
+            )
+        )
     for subject, verdict in results.verify.items():
-        found.append((f"verification of {subject}", f"{verdict['verdict']}, {len(verdict['rows'])} checks"))
+        found.append(
+            (f"verification of {subject}", f"{verdict['verdict']}, {len(verdict['rows'])} checks")
+        )
     if results.mutants:
         rows = results.mutants["rows"]
-        found.append(("wrong solvers caught", f"{sum(bool(r['caught']) for r in rows)} of {len(rows)}"))
+        found.append(
+            ("wrong solvers caught", f"{sum(bool(r['caught']) for r in rows)} of {len(rows)}")
+        )
     quoted = sum(c.quotable for c in results.cases)
     if results.cases:
-        found.append(("cases quoted, of all that were measured", f"{quoted} of {len(results.cases)}"))
+        found.append(
+            ("cases quoted, of all that were measured", f"{quoted} of {len(results.cases)}")
+        )
     if (noise := tables.noise(results)) is not None:
-        found.append(("noise: spread of a fixed loop between the cases", f"{100 * noise:.2g} %" if noise < 1 else f"{100 * noise:.0f} %"))
+        found.append(
+            (
+                "noise: spread of a fixed loop between the cases",
+                f"{100 * noise:.2g} %" if noise < 1 else f"{100 * noise:.0f} %",
+            )
+        )
     return found
 
 
@@ -81,12 +136,30 @@ def markdown_table(columns, rows):
 def text(results):
     machine = results.sessions[0] if results.sessions else {}
     lines = []
-    if (rows := rate_rows(results)):
-        lines += markdown_table(["particle-steps per second", "particles", "1 thread", "all threads", "times the reference", "memory per particle"], rows) + [""]
-    if (found := facts(results)):
+    if rows := rate_rows(results):
+        lines += markdown_table(
+            [
+                "particle-steps per second",
+                "particles",
+                "1 thread",
+                "all threads",
+                "times the reference",
+                "memory per particle",
+            ],
+            rows,
+        ) + [""]
+    if found := facts(results):
         lines += markdown_table(["what", "figure"], found) + [""]
-    lines.append(f"Measured {str(machine.get('started', 'unknown'))[:10]} on {machine.get('processor', 'an unknown processor')}, "
-                 f"{machine.get('processors', '?')} processors, {machine.get('instruction_set', '?')}, {machine.get('compiler', '?')}, commit {machine.get('git_commit', '?')}, "
-                 f"load {str(machine.get('load_average', '?')).split(' ')[0]} at the start, by")
-    lines += ["", "```sh", f"firn bench -o {results.path}", f"firn report {results.path} --readme-table", "```"]
+    lines.append(
+        f"Measured {str(machine.get('started', 'unknown'))[:10]} on {machine.get('processor', 'an unknown processor')}, "
+        f"{machine.get('processors', '?')} processors, {machine.get('instruction_set', '?')}, {machine.get('compiler', '?')}, commit {machine.get('git_commit', '?')}, "
+        f"load {str(machine.get('load_average', '?')).split(' ')[0]} at the start, by"
+    )
+    lines += [
+        "",
+        "```sh",
+        f"firn bench -o {results.path}",
+        f"firn report {results.path} --readme-table",
+        "```",
+    ]
     return "\n".join(lines)

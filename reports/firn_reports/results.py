@@ -8,6 +8,7 @@ import numpy as np
 
 from . import InputError
 
+
 @dataclass
 class Quantity:
     name: str
@@ -23,7 +24,9 @@ class Quantity:
 
     @property
     def quartiles(self):
-        return tuple(np.percentile(self.values, [25, 75])) if len(self.values) else (float("nan"),) * 2
+        return (
+            tuple(np.percentile(self.values, [25, 75])) if len(self.values) else (float("nan"),) * 2
+        )
 
     @property
     def spread(self):
@@ -45,9 +48,9 @@ class Case:
     parameters: dict
     quantities: dict
     calibration: np.ndarray
-    wall_seconds: float = None       # what measuring it took, validation included
+    wall_seconds: float = None  # what measuring it took, validation included
     processor_seconds: float = None
-    finished: str = ""               # UTC
+    finished: str = ""  # UTC
 
     @property
     def quotable(self):
@@ -65,10 +68,10 @@ class Case:
 class Results:
     path: Path
     firn_version: str = ""
-    sessions: list = field(default_factory=list)   # dicts of machine facts
+    sessions: list = field(default_factory=list)  # dicts of machine facts
     cases: list = field(default_factory=list)
-    verify: dict = field(default_factory=dict)     # subject -> {verdict, command, rows}
-    mutants: dict = field(default_factory=dict)    # {command, rows}
+    verify: dict = field(default_factory=dict)  # subject -> {verdict, command, rows}
+    mutants: dict = field(default_factory=dict)  # {command, rows}
 
     def suite(self, name):
         return [case for case in self.cases if case.suite == name]
@@ -100,14 +103,32 @@ def read_case(suite, name, group):
     for key, data in group["quantities"].items():
         q = attributes(data)
         key = RENAMED.get((suite, key), key)
-        quantities[key] = Quantity(key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float))
-    return Case(suite, name, a["title"], a["command"], a["status"], a["message"], a["validation"], int(a["session"]),
-                attributes(group["parameters"]), quantities, group["calibration"][()], a.get("wall_seconds"), a.get("processor_seconds"), a.get("finished", ""))
+        quantities[key] = Quantity(
+            key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float)
+        )
+    return Case(
+        suite,
+        name,
+        a["title"],
+        a["command"],
+        a["status"],
+        a["message"],
+        a["validation"],
+        int(a["session"]),
+        attributes(group["parameters"]),
+        quantities,
+        group["calibration"][()],
+        a.get("wall_seconds"),
+        a.get("processor_seconds"),
+        a.get("finished", ""),
+    )
 
 
 def read_columns(group, columns):
-    return [dict(zip(columns, values)) for values in
-            zip(*[[plain(v) for v in group[column][()]] for column in columns])]
+    return [
+        dict(zip(columns, values))
+        for values in zip(*[[plain(v) for v in group[column][()]] for column in columns])
+    ]
 
 
 def read(path):
@@ -120,10 +141,18 @@ def read(path):
             for suite, cases in file.get("cases", {}).items():
                 result.cases += [read_case(suite, name, group) for name, group in cases.items()]
             for subject, group in file.get("verify", {}).items():
-                result.verify[subject] = {**attributes(group), "rows": read_columns(group, ["topic", "check", "error", "verdict", "command"])}
+                result.verify[subject] = {
+                    **attributes(group),
+                    "rows": read_columns(group, ["topic", "check", "error", "verdict", "command"]),
+                }
             if "mutants" in file:
                 columns = ["name", "patch", "stage", "named_stage", "caught_by", "caught"]
-                result.mutants = {**attributes(file["mutants"]), "rows": read_columns(file["mutants"], columns)}
+                result.mutants = {
+                    **attributes(file["mutants"]),
+                    "rows": read_columns(file["mutants"], columns),
+                }
         except (KeyError, ValueError) as error:
-            raise InputError(f"{path}: not a results file as docs/results_schema.md describes it: {error}") from None
+            raise InputError(
+                f"{path}: not a results file as docs/results_schema.md describes it: {error}"
+            ) from None
     return result

@@ -7,8 +7,18 @@ import numpy as np
 from . import results_figures as figures
 from .page import Code, Mark, Table, number
 
-KIND = {"measured": "good", "noisy": "warn", "invalid": "bad", "failed": "bad", "VALID": "good", "INVALID": "bad",
-        "worse": "bad", "better": "good", "same": "", "drowned": "warn"}
+KIND = {
+    "measured": "good",
+    "noisy": "warn",
+    "invalid": "bad",
+    "failed": "bad",
+    "VALID": "good",
+    "INVALID": "bad",
+    "worse": "bad",
+    "better": "good",
+    "same": "",
+    "drowned": "warn",
+}
 
 
 def mark(text):
@@ -27,54 +37,131 @@ def of_cases(cases, name, title, command):
     parameters = list(dict.fromkeys(key for c in cases for key in c.parameters))
     quantities = list(dict.fromkeys(key for c in cases for key in c.quantities))
     units = {key: q.units for c in cases for key, q in c.quantities.items()}
-    columns = parameters + [text for key in quantities for text in (f"{key} [{units[key]}]", "spread")] + ["status", "measure again"]
+    columns = (
+        parameters
+        + [text for key in quantities for text in (f"{key} [{units[key]}]", "spread")]
+        + ["status", "measure again"]
+    )
     rows = []
     for c in cases:
         row = [c.parameters.get(key) for key in parameters]
         for key in quantities:
             quantity = c.quantities.get(key)
             # What is too noisy to quote gives no number.
-            row += [quantity.median, f"{100 * quantity.spread:.2g} %" if len(quantity.values) > 2 else ""] if quantity and c.quotable else [None, ""]
+            row += (
+                [
+                    quantity.median,
+                    f"{100 * quantity.spread:.2g} %" if len(quantity.values) > 2 else "",
+                ]
+                if quantity and c.quotable
+                else [None, ""]
+            )
         rows.append(row + [mark(c.status), Code(c.command)])
-    return [Table(name, title, columns, rows, "Medians; spread is from the first to the third quartile, relative to the median.", command)]
+    return [
+        Table(
+            name,
+            title,
+            columns,
+            rows,
+            "Medians; spread is from the first to the third quartile, relative to the median.",
+            command,
+        )
+    ]
 
 
 def roofline_points(results):
-    rows = [[c["solver"], c["precision"], c["threads"], c["deformation"], c["particles"], rate / 1e9, intensity, 100 * share, Code(c.command)]
-            for c, rate, intensity, share in figures.roofline_points(results)]
-    return [Table("roofline_points", "Whole steps against the ceilings", ["solver", "precision", "threads", "deformation", "particles", "Gflop/s, plain count",
-                  "flop per byte", "% of FMA peak", "measure again"], rows, command="firn bench roofline steps")] if rows else []
+    rows = [
+        [
+            c["solver"],
+            c["precision"],
+            c["threads"],
+            c["deformation"],
+            c["particles"],
+            rate / 1e9,
+            intensity,
+            100 * share,
+            Code(c.command),
+        ]
+        for c, rate, intensity, share in figures.roofline_points(results)
+    ]
+    return (
+        [
+            Table(
+                "roofline_points",
+                "Whole steps against the ceilings",
+                [
+                    "solver",
+                    "precision",
+                    "threads",
+                    "deformation",
+                    "particles",
+                    "Gflop/s, plain count",
+                    "flop per byte",
+                    "% of FMA peak",
+                    "measure again",
+                ],
+                rows,
+                command="firn bench roofline steps",
+            )
+        ]
+        if rows
+        else []
+    )
 
 
 def worst_scaling(results):
     """(speed-up, threads, who, case) where more threads bring least, from interleaved runs."""
-    rows = [(c.value("efficiency") * c["threads"], c["threads"], f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])} particles", c)
-            for c in results.suite("scaling") if c.value("efficiency") is not None]
+    rows = [
+        (
+            c.value("efficiency") * c["threads"],
+            c["threads"],
+            f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])} particles",
+            c,
+        )
+        for c in results.suite("scaling")
+        if c.value("efficiency") is not None
+    ]
     return min(rows, key=lambda row: row[0] / row[1], default=None)
 
 
 def size_growth(results):
     """(cost per particle of many over that of few, who) where it grows most, from interleaved runs."""
-    rows = [(c.value("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c) for c in results.suite("scaling") if c.value("growth") is not None]
+    rows = [
+        (c.value("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c)
+        for c in results.suite("scaling")
+        if c.value("growth") is not None
+    ]
     return max(rows, key=lambda row: row[0], default=None)
 
 
 def costliest_skip(results):
     # A cost that the quartiles of the repetitions do not tell from none is none.
-    rows = [(-c.value("saved"), c["skip"], c["situation"]) for c in results.suite("skips") if c.quotable and c.quantities["saved"].quartiles[1] <= 0]
+    rows = [
+        (-c.value("saved"), c["skip"], c["situation"])
+        for c in results.suite("skips")
+        if c.quotable and c.quantities["saved"].quartiles[1] <= 0
+    ]
     worst = max(rows, default=None)
     return worst if worst and worst[0] > 0.02 else None
 
 
 def worst_float(results):
-    rows = [(c.value("error"), f"{c['test']}, {c['solver']}") for c in results.suite("float") if c.quotable and c["precision"] == "float"]
+    rows = [
+        (c.value("error"), f"{c['test']}, {c['solver']}")
+        for c in results.suite("float")
+        if c.quotable and c["precision"] == "float"
+    ]
     return max(rows, default=None)
 
 
 def busiest(results):
     """(load average, processors) of the timing session that began under the highest load, if others were using the machine."""
-    loads = [(float(match[0]), int(s.get("processors", 1))) for s in results.sessions if "cases_asked_for" in s
-             if (match := re.match(r"[0-9.]+", str(s.get("load_average", ""))))]
+    loads = [
+        (float(match[0]), int(s.get("processors", 1)))
+        for s in results.sessions
+        if "cases_asked_for" in s
+        if (match := re.match(r"[0-9.]+", str(s.get("load_average", ""))))
+    ]
     worst = max(loads, default=None)
     return worst if worst and worst[0] > 0.5 * worst[1] else None
 
@@ -97,22 +184,68 @@ def noise(results):
 def changes(changes, broken):
     """What moved, open; everything that was compared, folded."""
     order = {"worse": 0, "better": 1, "drowned": 2, "same": 3}
-    columns = ["suite", "case", "quantity", "old", "new", "units", "% worse", "± %", "verdict", "measure again"]
-    rows = [[c.case.suite, c.case.name, c.quantity, c.old, c.new, c.units, 100 * (c.ratio - 1), 100 * c.uncertainty, mark(c.kind), Code(c.case.command)]
-            for c in sorted(changes, key=lambda c: (order[c.kind], -abs(np.log(c.ratio))))]
-    rows = [[c.suite, c.name, "", None, None, "", None, None, mark(c.status), Code(c.command)] for c in broken] + rows
+    columns = [
+        "suite",
+        "case",
+        "quantity",
+        "old",
+        "new",
+        "units",
+        "% worse",
+        "± %",
+        "verdict",
+        "measure again",
+    ]
+    rows = [
+        [
+            c.case.suite,
+            c.case.name,
+            c.quantity,
+            c.old,
+            c.new,
+            c.units,
+            100 * (c.ratio - 1),
+            100 * c.uncertainty,
+            mark(c.kind),
+            Code(c.case.command),
+        ]
+        for c in sorted(changes, key=lambda c: (order[c.kind], -abs(np.log(c.ratio))))
+    ]
+    rows = [
+        [c.suite, c.name, "", None, None, "", None, None, mark(c.status), Code(c.command)]
+        for c in broken
+    ] + rows
     moved = [row for row in rows if str(row[8]) not in ("same", "drowned")]
     made = [Table("baseline_moved", "What moved", columns, moved, open=True)] if moved else []
-    return made + [Table("baseline", "Every comparison", columns, rows, "drowned: one of the two is too noisy to quote. ± : three standard errors of both medians, for times with the change of the fixed loop around the case.")]
+    return made + [
+        Table(
+            "baseline",
+            "Every comparison",
+            columns,
+            rows,
+            "drowned: one of the two is too noisy to quote. ± : three standard errors of both medians, for times with the change of the fixed loop around the case.",
+        )
+    ]
 
 
 def verification(results):
     made = []
     for i, (subject, verdict) in enumerate(results.verify.items(), 1):
         rows = sorted(verdict["rows"], key=lambda r: (r["verdict"] == "VALID", -r["error"]))
-        made.append(Table(f"verify_{i}", f"{subject}: {verdict['verdict']}", ["topic", "check", "largest error in bounds", "verdict", "repeat"],
-                          [[r["topic"], r["check"], r["error"], mark(r["verdict"]), Code(r["command"])] for r in rows],
-                          "Failures first, then by how near the bound was.", verdict["command"], open=verdict["verdict"] != "VALID"))
+        made.append(
+            Table(
+                f"verify_{i}",
+                f"{subject}: {verdict['verdict']}",
+                ["topic", "check", "largest error in bounds", "verdict", "repeat"],
+                [
+                    [r["topic"], r["check"], r["error"], mark(r["verdict"]), Code(r["command"])]
+                    for r in rows
+                ],
+                "Failures first, then by how near the bound was.",
+                verdict["command"],
+                open=verdict["verdict"] != "VALID",
+            )
+        )
     return made
 
 
@@ -120,35 +253,118 @@ def mutants(results):
     if not results.mutants:
         return []
     rows = sorted(results.mutants["rows"], key=lambda r: (bool(r["caught"]), r["name"]))
-    return [Table("mutants", "Deliberately wrong solvers", ["mutant", "what was changed", "lives in", "check names", "caught by", "verdict"],
-                  [[r["name"], r["patch"], r["stage"], r["named_stage"], r["caught_by"], Mark("caught", "good") if r["caught"] else Mark("survived", "bad")] for r in rows],
-                  command=results.mutants.get("command", ""))]
+    return [
+        Table(
+            "mutants",
+            "Deliberately wrong solvers",
+            ["mutant", "what was changed", "lives in", "check names", "caught by", "verdict"],
+            [
+                [
+                    r["name"],
+                    r["patch"],
+                    r["stage"],
+                    r["named_stage"],
+                    r["caught_by"],
+                    Mark("caught", "good") if r["caught"] else Mark("survived", "bad"),
+                ]
+                for r in rows
+            ],
+            command=results.mutants.get("command", ""),
+        )
+    ]
 
 
 def sessions(results):
     """Facts of every session; what is as in the first one is not repeated."""
+
     def cell(i, key):
         value = results.sessions[i].get(key)
         value = None if value is None else str(value)
-        return "″" if i and value is not None and value == str(results.sessions[0].get(key)) else value
+        return (
+            "″" if i and value is not None and value == str(results.sessions[0].get(key)) else value
+        )
+
     keys = list(dict.fromkeys(key for s in results.sessions for key in s))
-    return Table("machine", "Machine and build", ["fact"] + [f"session {i}" for i in range(len(results.sessions))],
-                 [[key.replace("_", " ")] + [cell(i, key) for i in range(len(results.sessions))] for key in keys],
-                 "A session is one run of firn bench or firn verify that added to the file; ″: as in session 0.", "firn info", open=True)
+    return Table(
+        "machine",
+        "Machine and build",
+        ["fact"] + [f"session {i}" for i in range(len(results.sessions))],
+        [
+            [key.replace("_", " ")] + [cell(i, key) for i in range(len(results.sessions))]
+            for key in keys
+        ],
+        "A session is one run of firn bench or firn verify that added to the file; ″: as in session 0.",
+        "firn info",
+        open=True,
+    )
 
 
 def all_cases(results):
-    return Table("cases", "Every case", ["suite", "case", "status", "remark", "session", "took [s]", "processor time [s]", "fixed loop varied by", "measure again"],
-                 [[c.suite, c.name, mark(c.status), c.message, c.session, c.wall_seconds, c.processor_seconds, loop_spread(c), Code(c.command)] for c in results.cases],
-                 command="firn bench")
+    return Table(
+        "cases",
+        "Every case",
+        [
+            "suite",
+            "case",
+            "status",
+            "remark",
+            "session",
+            "took [s]",
+            "processor time [s]",
+            "fixed loop varied by",
+            "measure again",
+        ],
+        [
+            [
+                c.suite,
+                c.name,
+                mark(c.status),
+                c.message,
+                c.session,
+                c.wall_seconds,
+                c.processor_seconds,
+                loop_spread(c),
+                Code(c.command),
+            ]
+            for c in results.cases
+        ],
+        command="firn bench",
+    )
 
 
 def noisy(results):
-    rows = [[c.suite, c.name, c.message, loop_spread(c), c.wall_seconds, Code(c.command)] for c in results.cases if c.status == "noisy"]
-    return [Table("noisy", "Too noisy to quote", ["suite", "case", "why", "fixed loop varied by", "took [s]", "measure again"], rows,
-                  "Their repetitions are in the file and under “Every repetition”, their medians nowhere.", "firn bench")] if rows else []
+    rows = [
+        [c.suite, c.name, c.message, loop_spread(c), c.wall_seconds, Code(c.command)]
+        for c in results.cases
+        if c.status == "noisy"
+    ]
+    return (
+        [
+            Table(
+                "noisy",
+                "Too noisy to quote",
+                ["suite", "case", "why", "fixed loop varied by", "took [s]", "measure again"],
+                rows,
+                "Their repetitions are in the file and under “Every repetition”, their medians nowhere.",
+                "firn bench",
+            )
+        ]
+        if rows
+        else []
+    )
 
 
 def repetitions(results):
-    rows = [[c.suite, c.name, key, q.units, i, float(v)] for c in results.cases for key, q in c.quantities.items() for i, v in enumerate(q.values)]
-    return Table("repetitions", "Every repetition", ["suite", "case", "quantity", "units", "repetition", "value"], rows, command="firn bench")
+    rows = [
+        [c.suite, c.name, key, q.units, i, float(v)]
+        for c in results.cases
+        for key, q in c.quantities.items()
+        for i, v in enumerate(q.values)
+    ]
+    return Table(
+        "repetitions",
+        "Every repetition",
+        ["suite", "case", "quantity", "units", "repetition", "value"],
+        rows,
+        command="firn bench",
+    )

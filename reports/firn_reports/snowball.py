@@ -17,7 +17,9 @@ from .colliders import collider_distance, unit
 
 # Compacted snow is blue, untouched snow white, loosened snow amber.
 SNOW = LinearSegmentedColormap.from_list(
-    "snow", [(0.00, "#1e5fb0"), (0.25, "#74a9dc"), (0.5, "#f4f7fa"), (0.75, "#f3c27a"), (1.00, "#d97b1c")])
+    "snow",
+    [(0.00, "#1e5fb0"), (0.25, "#74a9dc"), (0.5, "#f4f7fa"), (0.75, "#f3c27a"), (1.00, "#d97b1c")],
+)
 SKY_TOP, SKY_BOTTOM = np.array([0.10, 0.14, 0.20]), np.array([0.27, 0.34, 0.43])
 SOLID = np.array([0.42, 0.47, 0.53])
 LIGHT = unit([-0.38, -0.35, 0.85])
@@ -47,7 +49,9 @@ class Camera:
         u, v = corners @ self.right, corners @ self.screen_up
         margin = 1.16
         self.pixel = margin * max(np.ptp(u) / width, np.ptp(v) / height, 1e-9)  # [m]
-        self.center = np.array([(u.max() + u.min()) / 2, (v.max() + v.min()) / 2 - 0.02 * np.ptp(v)])
+        self.center = np.array(
+            [(u.max() + u.min()) / 2, (v.max() + v.min()) / 2 - 0.02 * np.ptp(v)]
+        )
         self.near = (corners @ self.look).min() - 10 * self.pixel * width
         self.middle = (corners @ self.look).mean() - self.near
         self.width, self.height = width, height
@@ -55,7 +59,11 @@ class Camera:
     def coarse(self, factor):
         """The same view with `factor` times larger pixels."""
         other = copy.copy(self)
-        other.width, other.height, other.pixel = self.width // factor, self.height // factor, self.pixel * factor
+        other.width, other.height, other.pixel = (
+            self.width // factor,
+            self.height // factor,
+            self.pixel * factor,
+        )
         return other
 
     def project(self, x):
@@ -68,7 +76,11 @@ class Camera:
         """Origin of the ray through each pixel, on the near plane: (height, width, 3)."""
         u = (np.arange(self.width) + 0.5 - self.width / 2) * self.pixel + self.center[0]
         v = (self.height / 2 - np.arange(self.height) - 0.5) * self.pixel + self.center[1]
-        return (u[None, :, None] * self.right + v[:, None, None] * self.screen_up + self.near * self.look)
+        return (
+            u[None, :, None] * self.right
+            + v[:, None, None] * self.screen_up
+            + self.near * self.look
+        )
 
 
 def blur(image, radius):
@@ -105,7 +117,9 @@ def splat(camera, frame):
             if bulge < 0:
                 continue
             surface = d - np.sqrt(bulge) * camera.pixel
-            inside = (c + dc >= 0) & (c + dc < camera.width) & (r + dr >= 0) & (r + dr < camera.height)
+            inside = (
+                (c + dc >= 0) & (c + dc < camera.width) & (r + dr >= 0) & (r + dr < camera.height)
+            )
             pixel = ((r + dr) * camera.width + c + dc)[inside]
             nearer = surface[inside] < depth[pixel]
             # Sorted far to near: among equals of one offset the nearest is written last.
@@ -127,8 +141,14 @@ def trace_colliders(camera, scene, t):
         depth = np.where(nearer, d, depth)
         point = origin[nearer] + d[nearer][:, None] * camera.look
         e = 0.5 * camera.pixel
-        n = np.stack([collider_distance(collider, point + e * axis, t) - collider_distance(collider, point - e * axis, t)
-                      for axis in np.eye(3)], axis=-1)
+        n = np.stack(
+            [
+                collider_distance(collider, point + e * axis, t)
+                - collider_distance(collider, point - e * axis, t)
+                for axis in np.eye(3)
+            ],
+            axis=-1,
+        )
         normal[nearer] = n / np.maximum(np.linalg.norm(n, axis=-1, keepdims=True), 1e-300)
     return depth, normal, origin + np.where(np.isfinite(depth), depth, 0)[..., None] * camera.look
 
@@ -139,7 +159,9 @@ def _trace(collider, origin, camera, t):
     if collider["shape"]["type"] == "half-space":
         # φ is linear along a ray: one exact step.
         slope = start - collider_distance(collider, origin + camera.look, t)
-        return np.where(slope > 1e-9, np.maximum(start, 0) / np.where(slope > 1e-9, slope, 1), np.inf)
+        return np.where(
+            slope > 1e-9, np.maximum(start, 0) / np.where(slope > 1e-9, slope, 1), np.inf
+        )
     far = 25 * camera.pixel * camera.width
     depth = np.full(start.shape, 0.0)
     active = np.ones(start.shape, bool)
@@ -176,16 +198,22 @@ def shadow(camera, frame, point):
     share = blur(np.minimum(count, 1.0), 2)
     pu, pv = (point @ a / cell - u0).astype(int), (point @ b / cell - v0).astype(int)
     seen = (pu >= 0) & (pu < shape[0]) & (pv >= 0) & (pv < shape[1])
-    return 1 - 0.62 * np.where(seen, share[np.clip(pu, 0, shape[0] - 1), np.clip(pv, 0, shape[1] - 1)], 0)
+    return 1 - 0.62 * np.where(
+        seen, share[np.clip(pu, 0, shape[0] - 1), np.clip(pv, 0, shape[1] - 1)], 0
+    )
 
 
 def render(scene, frame, camera, norm):
     """One frame as an RGB image (height, width, 3) in [0, 1]."""
     rows = np.linspace(0, 1, camera.height)[:, None, None]
-    image = np.broadcast_to(SKY_TOP * (1 - rows) + SKY_BOTTOM * rows, (camera.height, camera.width, 3)).copy()
+    image = np.broadcast_to(
+        SKY_TOP * (1 - rows) + SKY_BOTTOM * rows, (camera.height, camera.width, 3)
+    ).copy()
 
-    solid_depth, solid_normal, point = (np.repeat(np.repeat(field, SUPERSAMPLE, 0), SUPERSAMPLE, 1)
-                                        for field in trace_colliders(camera.coarse(SUPERSAMPLE), scene, frame.time))
+    solid_depth, solid_normal, point = (
+        np.repeat(np.repeat(field, SUPERSAMPLE, 0), SUPERSAMPLE, 1)
+        for field in trace_colliders(camera.coarse(SUPERSAMPLE), scene, frame.time)
+    )
     solid = np.isfinite(solid_depth)
     lambert = np.clip(solid_normal @ LIGHT, 0, 1)
     lit = SOLID * (0.35 + 0.75 * lambert * shadow(camera, frame, point))[..., None]
@@ -202,8 +230,14 @@ def render(scene, frame, camera, norm):
     weight = np.maximum(blur(snow.astype(float), radius), 1e-9)
     smooth = blur(filled, radius) / weight
     wide = blur(filled, 5 * radius) / np.maximum(blur(snow.astype(float), 5 * radius), 1e-9)
-    slope_row, slope_column = np.gradient(0.75 * smooth + 0.25 * np.where(snow, depth, smooth), camera.pixel)
-    normal = slope_column[..., None] * camera.right - slope_row[..., None] * camera.screen_up - camera.look
+    slope_row, slope_column = np.gradient(
+        0.75 * smooth + 0.25 * np.where(snow, depth, smooth), camera.pixel
+    )
+    normal = (
+        slope_column[..., None] * camera.right
+        - slope_row[..., None] * camera.screen_up
+        - camera.look
+    )
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     # Crevices lie deeper than what surrounds them: darken those, lift the ridges.
     relief = np.clip((wide - np.where(snow, depth, wide)) / (12 * radius * camera.pixel), -1, 1)
@@ -220,8 +254,12 @@ def downsample(image, factor):
 def with_volumes(frames):
     """Before the first step a volume of 0 says "not known yet": such frames are drawn with a later one's."""
     known = next((f.volume for f in frames if np.median(f.volume) > 0), None)
-    return [replace(f, volume=known) if known is not None and np.median(f.volume) == 0 and len(f.volume) == len(known) else f
-            for f in frames]
+    return [
+        replace(f, volume=known)
+        if known is not None and np.median(f.volume) == 0 and len(f.volume) == len(known)
+        else f
+        for f in frames
+    ]
 
 
 def picture(scene, frames, width=1500, height=560):
@@ -233,7 +271,9 @@ def picture(scene, frames, width=1500, height=560):
     deviation = max(np.abs(np.log(np.percentile(np.maximum(J_P, 1e-3), [1, 99]))).max(), 0.02)
     norm = LogNorm(np.exp(-deviation), np.exp(deviation), clip=True)
     camera = Camera(scene, [f.x for f in frames], across * SUPERSAMPLE, height * SUPERSAMPLE)
-    image = np.concatenate([downsample(render(scene, f, camera, norm), SUPERSAMPLE) for f in frames], axis=1)
+    image = np.concatenate(
+        [downsample(render(scene, f, camera, norm), SUPERSAMPLE) for f in frames], axis=1
+    )
 
     figure = Figure(figsize=(image.shape[1] / 100, image.shape[0] / 100), dpi=100, layout="none")
     FigureCanvasAgg(figure)
@@ -241,13 +281,27 @@ def picture(scene, frames, width=1500, height=560):
     axes.imshow(np.clip(image, 0, 1), interpolation="none", aspect="auto")
     axes.axis("off")
     for i, frame in enumerate(frames):
-        axes.text((i + 0.05) * across, 0.085 * height, f"t = {frame.time:.3g} s", color="white", fontsize=15)
+        axes.text(
+            (i + 0.05) * across,
+            0.085 * height,
+            f"t = {frame.time:.3g} s",
+            color="white",
+            fontsize=15,
+        )
         if i:
             axes.axvline(i * across - 0.5, color="white", alpha=0.25, linewidth=1)
     bar = figure.add_axes([0.80, 0.925, 0.17, 0.025])
-    bar.imshow(np.linspace(0, 1, 256)[None, :], cmap=SNOW, aspect="auto", extent=(-deviation, deviation, 0, 1))
+    bar.imshow(
+        np.linspace(0, 1, 256)[None, :],
+        cmap=SNOW,
+        aspect="auto",
+        extent=(-deviation, deviation, 0, 1),
+    )
     bar.set_yticks([])
-    bar.set_xticks([-deviation, 0.0, deviation], [f"{norm.vmin:.2f}\ncompacted", "1\n$J_P$", f"{norm.vmax:.2f}\nloosened"])
+    bar.set_xticks(
+        [-deviation, 0.0, deviation],
+        [f"{norm.vmin:.2f}\ncompacted", "1\n$J_P$", f"{norm.vmax:.2f}\nloosened"],
+    )
     bar.tick_params(colors="white", labelcolor="white", labelsize=10, length=3)
     bar.grid(False)
     buffer = io.BytesIO()

@@ -20,16 +20,39 @@ CSS_NAMES |= {colour: f"s{i + 1}" for i, colour in enumerate(SERIES)}
 DASHES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)), (0, (3, 3))]
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "*"]
 
-matplotlib.rcParams.update({
-    "svg.fonttype": "none", "svg.hashsalt": "firn", "font.size": 9.5, "font.family": "DejaVu Sans",
-    "text.color": INK, "axes.labelcolor": INK, "xtick.color": MUTED, "ytick.color": MUTED,
-    "xtick.labelcolor": INK, "ytick.labelcolor": INK, "axes.edgecolor": MUTED, "axes.linewidth": 0.8,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,
-    "grid.linewidth": 0.7, "axes.axisbelow": True, "axes.titlesize": 9.5, "axes.titlelocation": "left",
-    "lines.linewidth": 1.6, "legend.frameon": False, "legend.fontsize": 8.5, "lines.markersize": 4.5,
-    "axes.prop_cycle": matplotlib.cycler(color=SERIES), "figure.constrained_layout.use": True,
-    "axes.formatter.useoffset": False, "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": False,
-})
+matplotlib.rcParams.update(
+    {
+        "svg.fonttype": "none",
+        "svg.hashsalt": "firn",
+        "font.size": 9.5,
+        "font.family": "DejaVu Sans",
+        "text.color": INK,
+        "axes.labelcolor": INK,
+        "xtick.color": MUTED,
+        "ytick.color": MUTED,
+        "xtick.labelcolor": INK,
+        "ytick.labelcolor": INK,
+        "axes.edgecolor": MUTED,
+        "axes.linewidth": 0.8,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": GRID,
+        "grid.linewidth": 0.7,
+        "axes.axisbelow": True,
+        "axes.titlesize": 9.5,
+        "axes.titlelocation": "left",
+        "lines.linewidth": 1.6,
+        "legend.frameon": False,
+        "legend.fontsize": 8.5,
+        "lines.markersize": 4.5,
+        "axes.prop_cycle": matplotlib.cycler(color=SERIES),
+        "figure.constrained_layout.use": True,
+        "axes.formatter.useoffset": False,
+        "axes.formatter.limits": (-3, 4),
+        "axes.formatter.use_mathtext": False,
+    }
+)
 
 
 def panel(width=4.6, height=3.1):
@@ -68,8 +91,17 @@ def legend(axes, **options):
         # A label of n characters takes about 0.065 n inches, the handle beside it 0.45.
         room = axes.figure.get_figwidth() / (0.45 + 0.065 * max(len(label) for label in labels))
         columns = max(1, min(options.pop("ncols", 3), len(labels), int(room)))
-        axes.legend(handles, labels, loc="lower left", bbox_to_anchor=(0, 1.0), ncols=columns,
-                    borderaxespad=0.1, columnspacing=1.2, handlelength=1.8, **options)
+        axes.legend(
+            handles,
+            labels,
+            loc="lower left",
+            bbox_to_anchor=(0, 1.0),
+            ncols=columns,
+            borderaxespad=0.1,
+            columnspacing=1.2,
+            handlelength=1.8,
+            **options,
+        )
 
 
 _serial = 0
@@ -87,7 +119,7 @@ def to_svg(figure):
 
 def inline_svg(text, prefix):
     """Strips the XML prologue, makes ids unique on the page, and hands colours to CSS."""
-    svg = text[text.index("<svg"):]
+    svg = text[text.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
     svg = re.sub(r'\bid="([^"]+)"', lambda m: f'id="{prefix}{m[1]}"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", lambda m: f"url(#{prefix}{m[1]})", svg)

@@ -9,9 +9,22 @@ import numpy as np
 
 from . import InputError
 
-DIAGNOSTICS = ["time", "dt", "mass", "momentum", "angular_momentum", "kinetic_energy", "elastic_energy",
-               "gravitational_energy", "center_of_mass", "max_speed", "min_J_E", "max_J_E", "grid_nodes",
-               "solver_iterations"]
+DIAGNOSTICS = [
+    "time",
+    "dt",
+    "mass",
+    "momentum",
+    "angular_momentum",
+    "kinetic_energy",
+    "elastic_energy",
+    "gravitational_energy",
+    "center_of_mass",
+    "max_speed",
+    "min_J_E",
+    "max_J_E",
+    "grid_nodes",
+    "solver_iterations",
+]
 
 
 def text_attribute(node, name, default=""):
@@ -22,21 +35,21 @@ def text_attribute(node, name, default=""):
 @dataclass
 class Frame:
     time: float
-    x: np.ndarray          # (N,3) m
-    v: np.ndarray          # (N,3) m/s
-    m: np.ndarray          # (N,) kg
-    volume: np.ndarray     # (N,) m³
-    J_P: np.ndarray        # (N,) det F_P
+    x: np.ndarray  # (N,3) m
+    v: np.ndarray  # (N,3) m/s
+    m: np.ndarray  # (N,) kg
+    volume: np.ndarray  # (N,) m³
+    J_P: np.ndarray  # (N,) det F_P
 
 
 @dataclass
 class Trajectory:
     path: Path
-    facts: dict = field(default_factory=dict)        # attributes of /firn, as text
-    scene: dict = field(default_factory=dict)        # the resolved TOML
-    times: np.ndarray = None                         # of the frames [s]
+    facts: dict = field(default_factory=dict)  # attributes of /firn, as text
+    scene: dict = field(default_factory=dict)  # the resolved TOML
+    times: np.ndarray = None  # of the frames [s]
     diagnostics: dict = field(default_factory=dict)  # name -> array, one row per step
-    units: dict = field(default_factory=dict)        # name -> text
+    units: dict = field(default_factory=dict)  # name -> text
     particles: int = 0
 
     @property
@@ -54,9 +67,14 @@ class Trajectory:
             rows = slice(first, first + count)
             data = vtk["PointData"]
             F_P = data["F_P"][rows].astype(float).reshape(-1, 3, 3)
-            return Frame(float(self.times[index]), vtk["Points"][rows].astype(float),
-                         data["velocity"][rows].astype(float), data["mass"][rows].astype(float),
-                         data["volume"][rows].astype(float), np.linalg.det(F_P))
+            return Frame(
+                float(self.times[index]),
+                vtk["Points"][rows].astype(float),
+                data["velocity"][rows].astype(float),
+                data["mass"][rows].astype(float),
+                data["volume"][rows].astype(float),
+                np.linalg.det(F_P),
+            )
 
 
 def _part(vtk, index):
@@ -79,11 +97,15 @@ def read(path):
                 trajectory.diagnostics[name] = table[name][:rows].astype(float)
                 trajectory.units[name] = text_attribute(table[name], "units")
             if frames < 1:
-                raise InputError(f"{path}: /VTKHDF/Steps/NSteps: got {frames}, allowed: at least 1 frame")
+                raise InputError(
+                    f"{path}: /VTKHDF/Steps/NSteps: got {frames}, allowed: at least 1 frame"
+                )
             trajectory.particles = int(vtk["NumberOfPoints"][_part(vtk, 0)])
         except KeyError as error:
             raise InputError(f"{path}: not a complete trajectory: {error.args[0]}") from None
-        trajectory.facts = {name: text_attribute(firn, name) for name in firn.attrs if name != "scene"}
+        trajectory.facts = {
+            name: text_attribute(firn, name) for name in firn.attrs if name != "scene"
+        }
         scene = text_attribute(firn, "scene")
     try:
         trajectory.scene = tomllib.loads(scene)

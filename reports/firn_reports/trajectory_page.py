@@ -28,8 +28,13 @@ class Laws:
         elapsed = d["time"] - first.time
         self.momentum = p0 + mass * g * elapsed[:, None]
         self.center = X0 + np.cumsum(d["dt"][:, None] * (p0 / mass + g * elapsed[:, None]), axis=0)
-        scale_p = np.maximum(np.linalg.norm(self.momentum, axis=1), mass * max(np.linalg.norm(first.v, axis=1).max(), 1e-300))
-        self.momentum_error = np.linalg.norm(d["momentum"] - self.momentum, axis=1) / np.maximum(scale_p, 1e-300)
+        scale_p = np.maximum(
+            np.linalg.norm(self.momentum, axis=1),
+            mass * max(np.linalg.norm(first.v, axis=1).max(), 1e-300),
+        )
+        self.momentum_error = np.linalg.norm(d["momentum"] - self.momentum, axis=1) / np.maximum(
+            scale_p, 1e-300
+        )
         scale_x = max(np.linalg.norm(X0), np.ptp(first.x, axis=0).max(), 1e-300)
         self.center_error = np.linalg.norm(d["center_of_mass"] - self.center, axis=1) / scale_x
         reach = free_flight_reach(trajectory.scene, first.x)
@@ -78,23 +83,40 @@ def build(trajectory, checks, command=""):
     run = run_command(trajectory)
 
     page = Page(title=trajectory.scene.get("name", trajectory.path.stem), command=command)
-    page.subtitle = (f"{number(trajectory.particles)} particles, {number(trajectory.steps)} steps, "
-                     f"solver {facts.get('solver', '?')} in {facts.get('precision', '?')}")
-    page.hero = Figure("The snow at three moments", png=png, command=run, caption=(
-        "Particles at three moments, coloured by J_P = det F_P: blue where the snow was compacted for good, "
-        "amber where it was pulled apart, white where it is as it fell."))
+    page.subtitle = (
+        f"{number(trajectory.particles)} particles, {number(trajectory.steps)} steps, "
+        f"solver {facts.get('solver', '?')} in {facts.get('precision', '?')}"
+    )
+    page.hero = Figure(
+        "The snow at three moments",
+        png=png,
+        command=run,
+        caption=(
+            "Particles at three moments, coloured by J_P = det F_P: blue where the snow was compacted for good, "
+            "amber where it was pulled apart, white where it is as it fell."
+        ),
+    )
     set_verdict(page, checks)
     page.tiles = tiles(trajectory, laws, checks)
     page.sections = [physics(trajectory, laws, run)]
     if checks:
         page.sections.append(checks_json.section(checks))
-    page.sections.append(Section("facts", "Facts", tables=[fact_table(trajectory, run), diagnostics_table(trajectory, run)]))
+    page.sections.append(
+        Section(
+            "facts",
+            "Facts",
+            tables=[fact_table(trajectory, run), diagnostics_table(trajectory, run)],
+        )
+    )
     return page, png
 
 
 def set_verdict(page, checks):
     if not checks:
-        page.verdict, page.sentence = Mark("not checked", "warn"), "Give --check with the output of `firn check --json`."
+        page.verdict, page.sentence = (
+            Mark("not checked", "warn"),
+            "Give --check with the output of `firn check --json`.",
+        )
         return
     bad = [c for c in checks if c["verdict"] != "VALID"]
     page.verdict = checks_json.mark((bad or checks)[0])
@@ -106,27 +128,64 @@ def run_command(trajectory):
     if facts.get("command"):
         return facts["command"]
     scene = facts.get("scene_source", str(trajectory.scene.get("name", "SCENE")).replace(" ", "_"))
-    return (f"firn run {scene} --solver {facts.get('solver', '?')} --precision {facts.get('precision', '?')} "
-            f"--threads {facts.get('threads', '1')} -o {trajectory.path.name}")
+    return (
+        f"firn run {scene} --solver {facts.get('solver', '?')} --precision {facts.get('precision', '?')} "
+        f"--threads {facts.get('threads', '1')} -o {trajectory.path.name}"
+    )
 
 
 def tiles(trajectory, laws, checks):
     d = trajectory.diagnostics
     energy = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
-    result = [Tile("Simulated", f"{number(float(trajectory.times[-1]))} s", f"{number(trajectory.steps)} steps", target="facts"),
-              Tile("Fastest particle", f"{number(float(d['max_speed'].max()), 3)} m/s", f"at t = {number(float(d['time'][d['max_speed'].argmax()]), 3)} s", target="physics"),
-              Tile("Elastic volume change", f"{number(float(d['min_J_E'].min()), 4)} … {number(float(d['max_J_E'].max()), 4)}", "det F_E over the whole run", target="physics")]
+    result = [
+        Tile(
+            "Simulated",
+            f"{number(float(trajectory.times[-1]))} s",
+            f"{number(trajectory.steps)} steps",
+            target="facts",
+        ),
+        Tile(
+            "Fastest particle",
+            f"{number(float(d['max_speed'].max()), 3)} m/s",
+            f"at t = {number(float(d['time'][d['max_speed'].argmax()]), 3)} s",
+            target="physics",
+        ),
+        Tile(
+            "Elastic volume change",
+            f"{number(float(d['min_J_E'].min()), 4)} … {number(float(d['max_J_E'].max()), 4)}",
+            "det F_E over the whole run",
+            target="physics",
+        ),
+    ]
     if laws.free.any():
         worst_p, worst_x = laws.momentum_error[laws.free].max(), laws.center_error[laws.free].max()
         eps = 2.0**-23 if trajectory.facts.get("precision") == "float" else 2.0**-52
         # Roundoff of a sum over n steps, each exact to a few eps: n·eps, and never below 100 eps.
         limit = max(trajectory.steps, 100) * eps * 10
-        result += [Tile("Momentum in free flight", number(float(worst_p), 2), "largest relative distance from p0 + M g t",
-                        "good" if worst_p < limit else "bad", "physics"),
-                   Tile("Centre of mass in free flight", number(float(worst_x), 2), "largest relative distance from the closed form",
-                        "good" if worst_x < limit else "bad", "physics")]
-    result.append(Tile("Energy left", f"{number(float(100 * energy[-1] / energy[0]), 3)} %" if energy[0] else "–",
-                       "kinetic + elastic + gravitational, of the first step", target="physics"))
+        result += [
+            Tile(
+                "Momentum in free flight",
+                number(float(worst_p), 2),
+                "largest relative distance from p0 + M g t",
+                "good" if worst_p < limit else "bad",
+                "physics",
+            ),
+            Tile(
+                "Centre of mass in free flight",
+                number(float(worst_x), 2),
+                "largest relative distance from the closed form",
+                "good" if worst_x < limit else "bad",
+                "physics",
+            ),
+        ]
+    result.append(
+        Tile(
+            "Energy left",
+            f"{number(float(100 * energy[-1] / energy[0]), 3)} %" if energy[0] else "–",
+            "kinetic + elastic + gravitational, of the first step",
+            target="physics",
+        )
+    )
     return result
 
 
@@ -135,31 +194,86 @@ def physics(trajectory, laws, run):
     total = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
     free = laws.free if laws.known else None
     figures = [
-        series(trajectory, ["kinetic_energy", "elastic_energy", "gravitational_energy", total], "energy [J]", "Energies",
-               "What the total loses goes into plastic work, friction, contact and the damping of the PIC part.",
-               ["kinetic", "elastic", "gravitational", "total"], flight=free),
-        series(trajectory, [laws.momentum_error], "|p − (p0 + M g t)| / |p|", "Momentum against its law",
-               "Gravity is the only outer force until a collider is in reach (dotted): up to there only roundoff may show; "
-               "after it the ground pushes back.", log=True, flight=free),
-        series(trajectory, [laws.center_error], "distance / size", "Centre of mass against free fall",
-               "X0 + Σ Δt (V0 + g t): exact for the discrete scheme whatever happens inside the body, until contact (dotted).",
-               log=True, flight=free),
-        series(trajectory, list(d["center_of_mass"].T), "position [m]", "Centre of mass", labels=list(AXES), flight=free),
+        series(
+            trajectory,
+            ["kinetic_energy", "elastic_energy", "gravitational_energy", total],
+            "energy [J]",
+            "Energies",
+            "What the total loses goes into plastic work, friction, contact and the damping of the PIC part.",
+            ["kinetic", "elastic", "gravitational", "total"],
+            flight=free,
+        ),
+        series(
+            trajectory,
+            [laws.momentum_error],
+            "|p − (p0 + M g t)| / |p|",
+            "Momentum against its law",
+            "Gravity is the only outer force until a collider is in reach (dotted): up to there only roundoff may show; "
+            "after it the ground pushes back.",
+            log=True,
+            flight=free,
+        ),
+        series(
+            trajectory,
+            [laws.center_error],
+            "distance / size",
+            "Centre of mass against free fall",
+            "X0 + Σ Δt (V0 + g t): exact for the discrete scheme whatever happens inside the body, until contact (dotted).",
+            log=True,
+            flight=free,
+        ),
+        series(
+            trajectory,
+            list(d["center_of_mass"].T),
+            "position [m]",
+            "Centre of mass",
+            labels=list(AXES),
+            flight=free,
+        ),
         series(trajectory, ["max_speed"], "max |v_p| [m/s]", "Fastest particle", flight=free),
-        series(trajectory, ["min_J_E", "max_J_E"], "J_E", "Range of det F_E",
-               "The elastic volume ratio stays inside the box that θ_c and θ_s allow, cubed.", ["smallest", "largest"], flight=free),
+        series(
+            trajectory,
+            ["min_J_E", "max_J_E"],
+            "J_E",
+            "Range of det F_E",
+            "The elastic volume ratio stays inside the box that θ_c and θ_s allow, cubed.",
+            ["smallest", "largest"],
+            flight=free,
+        ),
         series(trajectory, ["dt"], "Δt [s]", "Time step", flight=free),
-        series(trajectory, ["grid_nodes"], "nodes of positive mass", "Active grid nodes", flight=free),
-        series(trajectory, list(d["angular_momentum"].T), "L [kg m²/s]", "Angular momentum about the origin", labels=list(AXES), flight=free),
+        series(
+            trajectory, ["grid_nodes"], "nodes of positive mass", "Active grid nodes", flight=free
+        ),
+        series(
+            trajectory,
+            list(d["angular_momentum"].T),
+            "L [kg m²/s]",
+            "Angular momentum about the origin",
+            labels=list(AXES),
+            flight=free,
+        ),
     ]
     if d["solver_iterations"].any():
-        figures.append(series(trajectory, ["solver_iterations"], "iterations", "Iterations of the semi-implicit solve"))
-    return Section("physics", "What happened, and the laws that must hold", figures=figures, command=run)
+        figures.append(
+            series(
+                trajectory,
+                ["solver_iterations"],
+                "iterations",
+                "Iterations of the semi-implicit solve",
+            )
+        )
+    return Section(
+        "physics", "What happened, and the laws that must hold", figures=figures, command=run
+    )
 
 
 def fact_table(trajectory, run):
-    rows = [["particles", number(trajectory.particles)], ["steps", number(trajectory.steps)],
-            ["frames", number(len(trajectory.times))], ["end", f"{number(float(trajectory.times[-1]))} s"]]
+    rows = [
+        ["particles", number(trajectory.particles)],
+        ["steps", number(trajectory.steps)],
+        ["frames", number(len(trajectory.times))],
+        ["end", f"{number(float(trajectory.times[-1]))} s"],
+    ]
     rows += [[name.replace("_", " "), value] for name, value in sorted(trajectory.facts.items())]
     wall = trajectory.facts.get("wall_time")
     if wall and float(wall) > 0:
@@ -178,5 +292,13 @@ def diagnostics_table(trajectory, run, most=400):
         for suffix, part in zip(AXES if array.ndim == 2 else [""], parts):
             columns.append(f"{name}{'_' if suffix else ''}{suffix} [{trajectory.units[name]}]")
             values.append(part[rows])
-    return Table("diagnostics", "Diagnostics by step", columns, [[float(v[i]) for v in values] for i in range(len(rows))],
-                 caption="" if len(rows) == len(d["time"]) else f"{len(rows)} of {len(d['time'])} steps, evenly chosen; the file has all.", command=run)
+    return Table(
+        "diagnostics",
+        "Diagnostics by step",
+        columns,
+        [[float(v[i]) for v in values] for i in range(len(rows))],
+        caption=""
+        if len(rows) == len(d["time"])
+        else f"{len(rows)} of {len(d['time'])} steps, evenly chosen; the file has all.",
+        command=run,
+    )

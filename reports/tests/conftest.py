@@ -7,7 +7,9 @@ from firn_reports import synthetic
 
 @pytest.fixture(scope="session")
 def trajectory_file(tmp_path_factory):
-    return synthetic.write_trajectory(tmp_path_factory.mktemp("trajectory") / "ball.vtkhdf", particles=800, spare=4)
+    return synthetic.write_trajectory(
+        tmp_path_factory.mktemp("trajectory") / "ball.vtkhdf", particles=800, spare=4
+    )
 
 
 @pytest.fixture
@@ -16,4 +18,5 @@ def check_file(tmp_path):
         path = tmp_path / f"{verdict}.json"
         path.write_text(json.dumps(synthetic.check(verdict)))
         return path
+
     return write

@@ -15,7 +15,13 @@ pytestmark = pytest.mark.skipif(not DRIVER, reason="no chromedriver on this mach
 @pytest.fixture(scope="module")
 def browser():
     options = webdriver.ChromeOptions()
-    for argument in ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--hide-scrollbars"):
+    for argument in (
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-background-networking",
+        "--hide-scrollbars",
+    ):
         options.add_argument(argument)
     driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
     yield driver
@@ -28,7 +34,13 @@ def page(request, tmp_path_factory, trajectory_file):
     if request.param == "trajectory":
         arguments = [str(trajectory_file)]
     else:
-        arguments = [str(synthetic.write_results(folder / "r.h5", slow={"optimized,float,1T,plastic,100000": 2}))]
+        arguments = [
+            str(
+                synthetic.write_results(
+                    folder / "r.h5", slow={"optimized,float,1T,plastic,100000": 2}
+                )
+            )
+        ]
     if request.param == "baseline":
         arguments += ["--baseline", str(synthetic.write_results(folder / "old.h5"))]
     main(arguments + ["-o", str(folder / "out")])
@@ -36,8 +48,14 @@ def page(request, tmp_path_factory, trajectory_file):
 
 
 def show(browser, url, width, dark=False):
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
-    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]})
+    browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False},
+    )
+    browser.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia",
+        {"features": [{"name": "prefers-color-scheme", "value": "dark" if dark else "light"}]},
+    )
     browser.get(url)
     assert browser.execute_script("return window.innerWidth") == width
 
@@ -55,14 +73,20 @@ def test_nothing_is_wider_than_the_screen(browser, page, width):
 
 def test_pictures_are_there_and_anchors_lead_somewhere(browser, page):
     show(browser, page, 1400)
-    images = browser.execute_script("return [...document.images].map(i => i.complete && i.naturalWidth > 0)")
+    images = browser.execute_script(
+        "return [...document.images].map(i => i.complete && i.naturalWidth > 0)"
+    )
     assert all(images)
-    plots = browser.execute_script("return [...document.querySelectorAll('.plot svg')].map(s => [s.getBoundingClientRect().width, s.getBoundingClientRect().height])")
+    plots = browser.execute_script(
+        "return [...document.querySelectorAll('.plot svg')].map(s => [s.getBoundingClientRect().width, s.getBoundingClientRect().height])"
+    )
     assert len(plots) >= 8 and all(w > 200 and h > 60 for w, h in plots)
     dead = browser.execute_script("""return [...document.querySelectorAll('a[href^="#"]')].map(a => a.getAttribute('href').slice(1))
         .filter(id => !document.getElementById(id))""")
     assert dead == []
-    twice = browser.execute_script("const ids = [...document.querySelectorAll('[id]')].map(e => e.id); return ids.filter((id, i) => ids.indexOf(id) !== i)")
+    twice = browser.execute_script(
+        "const ids = [...document.querySelectorAll('[id]')].map(e => e.id); return ids.filter((id, i) => ids.indexOf(id) !== i)"
+    )
     assert twice == []
     lost = browser.execute_script("""return [...document.querySelectorAll('svg use')].map(u => u.getAttribute('href') || u.getAttribute('xlink:href'))
         .filter(h => h && !document.getElementById(h.slice(1)))""")
@@ -71,18 +95,22 @@ def test_pictures_are_there_and_anchors_lead_somewhere(browser, page):
 
 def test_the_summary_fits_a_screen(browser, page):
     show(browser, page, 1400)
-    bottom = browser.execute_script("return document.getElementById('summary').getBoundingClientRect().bottom")
+    bottom = browser.execute_script(
+        "return document.getElementById('summary').getBoundingClientRect().bottom"
+    )
     assert bottom <= 900
 
 
 def test_nothing_comes_from_the_network(browser, page):
     show(browser, page, 1400)
-    outside = browser.execute_script("return performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith('data:') && !n.startsWith('file:'))")
+    outside = browser.execute_script(
+        "return performance.getEntriesByType('resource').map(e => e.name).filter(n => !n.startsWith('data:') && !n.startsWith('file:'))"
+    )
     assert outside == []
 
 
 def luminance(colour):
-    values = [int(v) for v in colour[colour.index("(") + 1:].rstrip(")").split(",")[:3]]
+    values = [int(v) for v in colour[colour.index("(") + 1 :].rstrip(")").split(",")[:3]]
     return sum(weight * (v / 255) ** 2.2 for weight, v in zip((0.2126, 0.7152, 0.0722), values))
 
 
@@ -91,9 +119,17 @@ def test_text_stands_out_in_both_themes(browser, page, dark):
     show(browser, page, 1400, dark)
     paper = browser.execute_script("return getComputedStyle(document.body).backgroundColor")
     assert (luminance(paper) < 0.1) == dark
-    for selector, least in ((".plot svg text", 4.5), ("h1", 7), ("figcaption", 4.5), (".tile .note", 4.5)):
-        colour = browser.execute_script("""const e = document.querySelector(arguments[0]); if (!e) return null;
-            const s = getComputedStyle(e); return e instanceof SVGElement ? s.fill : s.color""", selector)
+    for selector, least in (
+        (".plot svg text", 4.5),
+        ("h1", 7),
+        ("figcaption", 4.5),
+        (".tile .note", 4.5),
+    ):
+        colour = browser.execute_script(
+            """const e = document.querySelector(arguments[0]); if (!e) return null;
+            const s = getComputedStyle(e); return e instanceof SVGElement ? s.fill : s.color""",
+            selector,
+        )
         if colour is None:
             continue
         high, low = sorted([luminance(colour), luminance(paper)], reverse=True)
@@ -102,6 +138,8 @@ def test_text_stands_out_in_both_themes(browser, page, dark):
 
 def test_a_keyboard_opens_a_table(browser, page):
     show(browser, page, 1400)
-    before = browser.execute_script("const d = document.querySelector('details:not([open])'); d.id = d.id || 'probe'; d.querySelector('summary').focus(); return d.id")
+    before = browser.execute_script(
+        "const d = document.querySelector('details:not([open])'); d.id = d.id || 'probe'; d.querySelector('summary').focus(); return d.id"
+    )
     browser.switch_to.active_element.send_keys("\n")
     assert browser.execute_script("return document.getElementById(arguments[0]).open", before)

@@ -11,7 +11,13 @@ PLASTIC = "optimized,float,1T,plastic,100000"
 
 
 def firn(*words, folder):
-    return subprocess.run([os.environ["FIRN_PROGRAM"], "report", *map(str, words)], cwd=folder, capture_output=True, text=True, timeout=300)
+    return subprocess.run(
+        [os.environ["FIRN_PROGRAM"], "report", *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
 
 
 def test_readme_table_is_printed_and_no_page_written(tmp_path):

@@ -8,7 +8,14 @@ from firn_reports.trajectory import Frame
 
 def frame(x, J_P):
     n = len(x)
-    return Frame(0.0, np.asarray(x, float), np.zeros((n, 3)), np.ones(n), np.full(n, 1e-3), np.asarray(J_P, float))
+    return Frame(
+        0.0,
+        np.asarray(x, float),
+        np.zeros((n, 3)),
+        np.ones(n),
+        np.full(n, 1e-3),
+        np.asarray(J_P, float),
+    )
 
 
 def block():
@@ -18,7 +25,11 @@ def block():
 def test_the_nearer_of_two_particles_is_seen():
     near, far = [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]
     camera = snowball.Camera({}, [np.array([near, far, [-3, 0, 0], [3, 0, 0]])], 200, 100)
-    camera.look, camera.right, camera.screen_up = np.array([0.0, 1, 0]), np.array([1.0, 0, 0]), np.array([0, 0, 1.0])
+    camera.look, camera.right, camera.screen_up = (
+        np.array([0.0, 1, 0]),
+        np.array([1.0, 0, 0]),
+        np.array([0, 0, 1.0]),
+    )
     camera.near = -5.0
     for order in ([near, far], [far, near]):
         depth, index, _ = snowball.splat(camera, frame(order, [1, 1]))
@@ -38,7 +49,9 @@ def test_compacted_snow_is_blue_and_loosened_snow_is_amber():
     colours = []
     for J_P in (0.8, 1.2):
         f = frame(block(), np.full(12**3, J_P))
-        colours.append(snowball.render(scene, f, snowball.Camera(scene, [f.x], 120, 120), norm)[60, 60])
+        colours.append(
+            snowball.render(scene, f, snowball.Camera(scene, [f.x], 120, 120), norm)[60, 60]
+        )
     assert colours[0][2] > colours[0][0] and colours[1][0] > colours[1][2]
 
 
@@ -48,7 +61,11 @@ def test_ground_is_drawn_below_and_shaded_under_the_body():
     f = frame(block() + [0, 0, 0.1], np.ones(12**3))
     camera = snowball.Camera(scene, [f.x], 160, 160)
     depth, normal, point = snowball.trace_colliders(camera, scene, 0.0)
-    assert np.isfinite(depth).all() and np.allclose(point[..., 2], 0, atol=1e-9) and np.allclose(normal[80, 80], [0, 0, 1])
+    assert (
+        np.isfinite(depth).all()
+        and np.allclose(point[..., 2], 0, atol=1e-9)
+        and np.allclose(normal[80, 80], [0, 0, 1])
+    )
     light = snowball.shadow(camera, f, np.array([[[0.5, 0.5, 0.0]], [[30.0, 30.0, 0.0]]]))
     assert light[0, 0] < 0.6 and light[1, 0] == 1.0
 

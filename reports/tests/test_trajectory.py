@@ -39,34 +39,56 @@ def test_a_broken_law_is_seen(tmp_path):
     assert {tile.label: tile.kind for tile in tiles}["Momentum in free flight"] == "bad"
 
 
-@pytest.mark.parametrize("shape, x, phi", [
-    ({"type": "half-space", "point": [0, 0, 1], "normal": [0, 0, 2]}, [3, 4, 3], 2.0),
-    ({"type": "sphere", "center": [1, 0, 0], "radius": 1}, [4, 0, 0], 2.0),
-    ({"type": "box", "min": [0, 0, 0], "max": [2, 2, 2]}, [1, 1, 1.5], -0.5),
-    ({"type": "box", "min": [0, 0, 0], "max": [2, 2, 2]}, [5, 6, 1], 5.0),
-    ({"type": "cylinder", "center": [0, 0, 0], "axis": [0, 0, 3], "radius": 1, "height": 2}, [3, 0, 0], 2.0),
-])
+@pytest.mark.parametrize(
+    "shape, x, phi",
+    [
+        ({"type": "half-space", "point": [0, 0, 1], "normal": [0, 0, 2]}, [3, 4, 3], 2.0),
+        ({"type": "sphere", "center": [1, 0, 0], "radius": 1}, [4, 0, 0], 2.0),
+        ({"type": "box", "min": [0, 0, 0], "max": [2, 2, 2]}, [1, 1, 1.5], -0.5),
+        ({"type": "box", "min": [0, 0, 0], "max": [2, 2, 2]}, [5, 6, 1], 5.0),
+        (
+            {"type": "cylinder", "center": [0, 0, 0], "axis": [0, 0, 3], "radius": 1, "height": 2},
+            [3, 0, 0],
+            2.0,
+        ),
+    ],
+)
 def test_signed_distances(shape, x, phi):
     assert collider_distance({"shape": shape}, np.array([x], float), 0.0)[0] == pytest.approx(phi)
-    assert collider_distance({"shape": shape, "inside": True}, np.array([x], float), 0.0)[0] == pytest.approx(-phi)
+    assert collider_distance({"shape": shape, "inside": True}, np.array([x], float), 0.0)[
+        0
+    ] == pytest.approx(-phi)
 
 
 def test_a_collider_carries_its_shape_along():
-    box = {"shape": {"type": "box", "min": [-2, -1, -1], "max": [2, 1, 1]}, "velocity": [1, 0, 0],
-           "angular_velocity": [0, 0, np.pi / 2]}
+    box = {
+        "shape": {"type": "box", "min": [-2, -1, -1], "max": [2, 1, 1]},
+        "velocity": [1, 0, 0],
+        "angular_velocity": [0, 0, np.pi / 2],
+    }
     # After 1 s: moved by 1 along x, turned by 90° about z, so its long side lies along y.
     assert collider_distance(box, np.array([[1.0, 3.0, 0.0]]), 1.0)[0] == pytest.approx(1.0)
 
 
 def test_reach_is_unknown_beside_a_moving_collider():
     moving = {"shape": {"type": "sphere", "center": [0, 0, 0], "radius": 1}, "velocity": [1, 0, 0]}
-    assert free_flight_reach({"grid": {"spacing": 0.1}, "collider": [moving]}, np.zeros((1, 3))) is None
+    assert (
+        free_flight_reach({"grid": {"spacing": 0.1}, "collider": [moving]}, np.zeros((1, 3)))
+        is None
+    )
     assert free_flight_reach({"grid": {"spacing": 0.1}}, np.zeros((1, 3))) == np.inf
 
 
 @pytest.mark.parametrize("verdict, kind", [("VALID", "good"), ("INVALID", "bad")])
-def test_the_page_is_one_file_with_its_verdict(trajectory_file, check_file, tmp_path, verdict, kind):
-    assert main([str(trajectory_file), "--check", str(check_file(verdict)), "-o", str(tmp_path / "out")]) == 0
+def test_the_page_is_one_file_with_its_verdict(
+    trajectory_file, check_file, tmp_path, verdict, kind
+):
+    assert (
+        main(
+            [str(trajectory_file), "--check", str(check_file(verdict)), "-o", str(tmp_path / "out")]
+        )
+        == 0
+    )
     html = (tmp_path / "out" / "index.html").read_text()
     assert f'class="verdict {kind}"' in html and f"<strong>{verdict}</strong>" in html
     assert "http://" not in html.replace("http://www.w3.org", "") and "https://" not in html
@@ -75,13 +97,16 @@ def test_the_page_is_one_file_with_its_verdict(trajectory_file, check_file, tmp_
     assert rows[0].startswith("time [s],dt [s]") and len(rows) == 401
 
 
-@pytest.mark.parametrize("damage, message", [
-    (lambda f: f["VTKHDF/Steps"].attrs.__delitem__("NSteps"), "NSteps"),
-    (lambda f: f["VTKHDF/Steps"].attrs.__setitem__("NSteps", 0), "at least 1 frame"),
-    (lambda f: f["firn/diagnostics"].__delitem__("momentum"), "momentum"),
-    (lambda f: f["firn"].attrs.__setitem__("scene", "= 3"), "not TOML"),
-    (lambda f: f["firn"].attrs.__setitem__("format", "else"), "allowed: firn-trajectory"),
-])
+@pytest.mark.parametrize(
+    "damage, message",
+    [
+        (lambda f: f["VTKHDF/Steps"].attrs.__delitem__("NSteps"), "NSteps"),
+        (lambda f: f["VTKHDF/Steps"].attrs.__setitem__("NSteps", 0), "at least 1 frame"),
+        (lambda f: f["firn/diagnostics"].__delitem__("momentum"), "momentum"),
+        (lambda f: f["firn"].attrs.__setitem__("scene", "= 3"), "not TOML"),
+        (lambda f: f["firn"].attrs.__setitem__("format", "else"), "allowed: firn-trajectory"),
+    ],
+)
 def test_a_damaged_file_gets_one_line_and_exit_2(tmp_path, capsys, damage, message):
     path = synthetic.write_trajectory(tmp_path / "t.vtkhdf", particles=50, steps=20, frames=3)
     with h5py.File(path, "a") as file:
@@ -94,8 +119,16 @@ def test_a_damaged_file_gets_one_line_and_exit_2(tmp_path, capsys, damage, messa
 
 def test_what_is_no_file_or_no_check_gets_one_line_and_exit_2(tmp_path, trajectory_file, capsys):
     (tmp_path / "text").write_text("{}")
-    for arguments in (["nowhere.h5"], [str(tmp_path / "text")], [str(trajectory_file), "--check", str(tmp_path / "text")]):
+    for arguments in (
+        ["nowhere.h5"],
+        [str(tmp_path / "text")],
+        [str(trajectory_file), "--check", str(tmp_path / "text")],
+    ):
         assert main(arguments + ["-o", str(tmp_path / "out")]) == 2
         assert capsys.readouterr().err.count("\n") == 1
     with pytest.raises(InputError):
-        trajectory.read(synthetic.write_trajectory(tmp_path / "t.vtkhdf", particles=9, steps=4, frames=1, scene="name="))
+        trajectory.read(
+            synthetic.write_trajectory(
+                tmp_path / "t.vtkhdf", particles=9, steps=4, frames=1, scene="name="
+            )
+        )

@@ -10,8 +10,18 @@ chapters/      the text
 pages.py       puts it together
 """
 
-STAGES = ["rasterize", "volumes", "grid_forces", "grid_velocities", "grid_collisions", "integration",
-          "deformation", "particle_velocities", "particle_collisions", "positions"]
+STAGES = [
+    "rasterize",
+    "volumes",
+    "grid_forces",
+    "grid_velocities",
+    "grid_collisions",
+    "integration",
+    "deformation",
+    "particle_velocities",
+    "particle_collisions",
+    "positions",
+]
 
 
 class InputError(Exception):

@@ -7,10 +7,19 @@ from . import InputError, lesson, pages
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser("firn teach", description="The pages of a lesson from its lesson.json.")
+    parser = argparse.ArgumentParser(
+        "firn teach", description="The pages of a lesson from its lesson.json."
+    )
     parser.add_argument("lesson", metavar="LESSON", help="lesson.json, written by `firn teach`")
-    parser.add_argument("-o", "--output", default="lesson", metavar="DIR", help="folder of the pages")
-    parser.add_argument("--web-module", default="", metavar="JS", help="the reference as WebAssembly, web/firn_web.js of a build with Emscripten")
+    parser.add_argument(
+        "-o", "--output", default="lesson", metavar="DIR", help="folder of the pages"
+    )
+    parser.add_argument(
+        "--web-module",
+        default="",
+        metavar="JS",
+        help="the reference as WebAssembly, web/firn_web.js of a build with Emscripten",
+    )
     options = parser.parse_args(arguments)
     try:
         print(pages.write(lesson.read(options.lesson), options.output, options.web_module))

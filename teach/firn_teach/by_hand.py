@@ -13,12 +13,12 @@ from . import STAGES
 
 def N(x):
     d = np.abs(x)
-    return np.where(d < 1, d**3 / 2 - d**2 + 2 / 3, np.where(d < 2, (2 - d)**3 / 6, 0))
+    return np.where(d < 1, d**3 / 2 - d**2 + 2 / 3, np.where(d < 2, (2 - d) ** 3 / 6, 0))
 
 
 def dN(x):
     d = np.abs(x)
-    return np.sign(x) * np.where(d < 1, 1.5 * d**2 - 2 * d, np.where(d < 2, -(2 - d)**2 / 2, 0))
+    return np.sign(x) * np.where(d < 1, 1.5 * d**2 - 2 * d, np.where(d < 2, -((2 - d) ** 2) / 2, 0))
 
 
 def weights(scene, x, nodes):
@@ -54,7 +54,7 @@ def rasterize(scene, s, p, i, lesson):
 
 
 def volumes(scene, s, p, i, lesson):
-    if s.V_p0[p] > 0:                         # stated by the scene
+    if s.V_p0[p] > 0:  # stated by the scene
         return {"V_p0": s.V_p0[p]}
     w, _ = weights(scene, s.x_p[p], lesson.first.nodes)
     rho_p0 = np.sum(s.m_i * w) / scene.h**3
@@ -66,7 +66,7 @@ def grid_forces(scene, s, p, i, lesson):
     harder = np.exp(material.hardening * (1 - np.linalg.det(s.F_P)))
     mu, lam = material.mu_0 * harder, material.lambda_0 * harder
     U, _, Vt = np.linalg.svd(s.F_E)
-    R = U @ Vt                                # det F_E > 0 here: R is a rotation
+    R = U @ Vt  # det F_E > 0 here: R is a rotation
     J, Ft = np.linalg.det(s.F_E), np.swapaxes(s.F_E, 1, 2)
     tau = 2 * mu[:, None, None] * (s.F_E - R) @ Ft + (lam * (J - 1) * J)[:, None, None] * np.eye(3)
     _, grad_w = weights(scene, s.x_p, lesson.record.nodes[i])
@@ -82,7 +82,7 @@ def grid_collisions(scene, s, p, i, lesson):
 
 
 def integration(scene, s, p, i, lesson):
-    return {"v_i_new": s.v_i_star[i]}         # explicit; the semi-implicit solve has its own page
+    return {"v_i_new": s.v_i_star[i]}  # explicit; the semi-implicit solve has its own page
 
 
 def deformation(scene, s, p, i, lesson):
@@ -93,8 +93,10 @@ def deformation(scene, s, p, i, lesson):
     low, high = 1 - material.critical_compression[p], 1 + material.critical_stretch[p]
     U, sigma, Vt = np.linalg.svd(F_hat)
     sigma = np.clip(sigma, low, high)
-    return {"F_E": U @ np.diag(sigma) @ Vt,
-            "F_P": Vt.T @ np.diag(1 / sigma) @ U.T @ F_hat @ s.F_P[p]}
+    return {
+        "F_E": U @ np.diag(sigma) @ Vt,
+        "F_P": Vt.T @ np.diag(1 / sigma) @ U.T @ F_hat @ s.F_P[p],
+    }
 
 
 def particle_velocities(scene, s, p, i, lesson):
@@ -111,7 +113,11 @@ def particle_collisions(scene, s, p, i, lesson):
 def positions(scene, s, p, i, lesson):
     x = s.x_p[p] + lesson.record.dt * s.v_p[p]
     period = scene.period_nodes * scene.h
-    return {"x_p": np.where(period > 0, scene.origin + (x - scene.origin) % np.where(period > 0, period, 1), x)}
+    return {
+        "x_p": np.where(
+            period > 0, scene.origin + (x - scene.origin) % np.where(period > 0, period, 1), x
+        )
+    }
 
 
 def code(stage):
@@ -138,11 +144,17 @@ def run(lesson, stage):
     if stage == 6 and lesson.scene.semi_implicit:
         return []
     record = lesson.record_of(stage)
-    results = globals()[STAGES[stage - 1]](lesson.scene, record.at(stage - 1), lesson.p, lesson.i, lesson)
+    results = globals()[STAGES[stage - 1]](
+        lesson.scene, record.at(stage - 1), lesson.p, lesson.i, lesson
+    )
     after = record.at(stage)
     rows = []
     for field, value in results.items():
-        reference = getattr(after, field)[lesson.p if field in ("V_p0", "F_E", "F_P", "v_p", "x_p") else lesson.i]
-        difference = np.max(np.abs(value - reference)) / size(lesson, stage, record.at(stage - 1), reference)
+        reference = getattr(after, field)[
+            lesson.p if field in ("V_p0", "F_E", "F_P", "v_p", "x_p") else lesson.i
+        ]
+        difference = np.max(np.abs(value - reference)) / size(
+            lesson, stage, record.at(stage - 1), reference
+        )
         rows.append((field, np.asarray(value), np.asarray(reference), difference))
     return rows

@@ -11,5 +11,9 @@ def values(web_module):
     templates = resources.files("firn_teach").joinpath("templates")
     module = Path(web_module) if web_module else None
     text = module.read_text(encoding="utf-8") if module and module.is_file() else ""
-    return {"module": text.replace("</script", "<\\/script"), "script": templates.joinpath("interactive.js").read_text(encoding="utf-8"),
-            "style": templates.joinpath("interactive.css").read_text(encoding="utf-8"), "how_to": HOW_TO}
+    return {
+        "module": text.replace("</script", "<\\/script"),
+        "script": templates.joinpath("interactive.js").read_text(encoding="utf-8"),
+        "style": templates.joinpath("interactive.css").read_text(encoding="utf-8"),
+        "how_to": HOW_TO,
+    }

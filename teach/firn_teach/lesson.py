@@ -9,21 +9,40 @@ import numpy as np
 from . import STAGES, InputError
 
 NODE_FIELDS = {"m_i", "v_i", "f_i", "v_i_star", "free_directions", "v_i_new"}
-UNITS = {"m_i": "kg", "v_i": "m/s", "f_i": "N", "v_i_star": "m/s", "v_i_new": "m/s", "V_p0": "m³", "free_directions": "1",
-         "F_E": "1", "F_P": "1", "v_p": "m/s", "x_p": "m", "m_p": "kg"}
+UNITS = {
+    "m_i": "kg",
+    "v_i": "m/s",
+    "f_i": "N",
+    "v_i_star": "m/s",
+    "v_i_new": "m/s",
+    "V_p0": "m³",
+    "free_directions": "1",
+    "F_E": "1",
+    "F_P": "1",
+    "v_p": "m/s",
+    "x_p": "m",
+    "m_p": "kg",
+}
 
 
 class Record:
     """One step. `at(stage)` has every field as it stands after that stage; stage 0 is before the step."""
 
     def __init__(self, data):
-        self.step, self.time, self.dt, self.dt_bound = data["step"], data["time"], data["dt"], data["dt_bound"]
+        self.step, self.time, self.dt, self.dt_bound = (
+            data["step"],
+            data["time"],
+            data["dt"],
+            data["dt_bound"],
+        )
         self.nodes = np.array(data["nodes"], dtype=int).reshape(-1, 3)
         self.events = data["events"]
         before = data["before"]
         self.id, self.material = np.array(before["id"]), np.array(before["material"])
         self.written = {name: list(fields) for name, fields in data["stages"].items() if fields}
-        fields = {"m_p": array(before["m"])} | {name: array(before[name]) for name in ("x_p", "v_p", "V_p0", "F_E", "F_P")}
+        fields = {"m_p": array(before["m"])} | {
+            name: array(before[name]) for name in ("x_p", "v_p", "V_p0", "F_E", "F_P")
+        }
         self._states = [dict(fields)]
         for name in STAGES:
             for field, values in (data["stages"].get(name) or {}).items():
@@ -63,8 +82,14 @@ class Lesson:
 
     def material(self, record=None):
         """One row of parameters per particle."""
-        rows = [{**m, "critical_compression": float(m["critical_compression"]), "critical_stretch": float(m["critical_stretch"])}
-                for m in self.scene.materials]
+        rows = [
+            {
+                **m,
+                "critical_compression": float(m["critical_compression"]),
+                "critical_stretch": float(m["critical_stretch"]),
+            }
+            for m in self.scene.materials
+        ]
         keys = ("mu_0", "lambda_0", "hardening", "critical_compression", "critical_stretch")
         which = (record or self.record).material
         return SimpleNamespace(**{key: np.array([row[key] for row in rows])[which] for key in keys})
@@ -79,6 +104,12 @@ def read(path):
         data = json.loads(Path(path).read_text(encoding="utf-8"))
     except json.JSONDecodeError as error:
         raise InputError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
-    if not isinstance(data, dict) or data.get("format") != "firn-lesson" or data.get("version") != 1:
-        raise InputError(f"{path}: format: allowed: firn-lesson, version 1, as `firn teach` writes it")
+    if (
+        not isinstance(data, dict)
+        or data.get("format") != "firn-lesson"
+        or data.get("version") != 1
+    ):
+        raise InputError(
+            f"{path}: format: allowed: firn-lesson, version 1, as `firn teach` writes it"
+        )
     return Lesson(data)

@@ -6,13 +6,39 @@ from latex2mathml.converter import convert
 
 # What the chapters write for the symbols of the method.
 MACROS = {
-    r"\F": r"\mathbf{F}", r"\R": r"\mathbf{R}", r"\S": r"\mathbf{S}", r"\U": r"\mathbf{U}", r"\V": r"\mathbf{V}",
-    r"\P": r"\mathbf{P}", r"\I": r"\mathbf{I}", r"\H": r"\mathbf{H}", r"\W": r"\mathbf{W}", r"\A": r"\mathbf{A}", r"\C": r"\mathbf{C}",
+    r"\F": r"\mathbf{F}",
+    r"\R": r"\mathbf{R}",
+    r"\S": r"\mathbf{S}",
+    r"\U": r"\mathbf{U}",
+    r"\V": r"\mathbf{V}",
+    r"\P": r"\mathbf{P}",
+    r"\I": r"\mathbf{I}",
+    r"\H": r"\mathbf{H}",
+    r"\W": r"\mathbf{W}",
+    r"\A": r"\mathbf{A}",
+    r"\C": r"\mathbf{C}",
     r"\B": r"\mathbf{B}",
-    r"\v": r"\mathbf{v}", r"\x": r"\mathbf{x}", r"\f": r"\mathbf{f}", r"\g": r"\mathbf{g}", r"\n": r"\mathbf{n}", r"\u": r"\mathbf{u}",
-    r"\b": r"\mathbf{b}", r"\dt": r"\Delta t", r"\FE": r"\mathbf{F}_{E}", r"\FP": r"\mathbf{F}_{P}", r"\RE": r"\mathbf{R}_{E}",
-    r"\JE": r"J_{E}", r"\JP": r"J_{P}", r"\Fhat": r"\hat{\mathbf{F}}_{E}", r"\Vp": r"V_{p}^{0}", r"\vstar": r"\mathbf{v}_{i}^{*}",
-    r"\vnew": r"\mathbf{v}_{i}^{n+1}", r"\vold": r"\mathbf{v}_{i}^{n}", r"\grad": r"\nabla w_{ip}", r"\w": r"w_{ip}", r"\T": r"{T}",
+    r"\v": r"\mathbf{v}",
+    r"\x": r"\mathbf{x}",
+    r"\f": r"\mathbf{f}",
+    r"\g": r"\mathbf{g}",
+    r"\n": r"\mathbf{n}",
+    r"\u": r"\mathbf{u}",
+    r"\b": r"\mathbf{b}",
+    r"\dt": r"\Delta t",
+    r"\FE": r"\mathbf{F}_{E}",
+    r"\FP": r"\mathbf{F}_{P}",
+    r"\RE": r"\mathbf{R}_{E}",
+    r"\JE": r"J_{E}",
+    r"\JP": r"J_{P}",
+    r"\Fhat": r"\hat{\mathbf{F}}_{E}",
+    r"\Vp": r"V_{p}^{0}",
+    r"\vstar": r"\mathbf{v}_{i}^{*}",
+    r"\vnew": r"\mathbf{v}_{i}^{n+1}",
+    r"\vold": r"\mathbf{v}_{i}^{n}",
+    r"\grad": r"\nabla w_{ip}",
+    r"\w": r"w_{ip}",
+    r"\T": r"{T}",
 }
 # Bold letters of the mathematical alphabets need a font that has them; bold type does not.
 ALPHABETS = [(0x1D400, "A"), (0x1D41A, "a")]
@@ -31,13 +57,24 @@ def formula(tex, display=False):
         tex = re.sub(r"\\[A-Za-z]+", lambda m: MACROS.get(m[0], m[0]), tex)
     text = convert(tex, display="block" if display else "inline")
     text = re.sub(r"&#x([0-9A-Fa-f]+);", lambda m: chr(int(m[1], 16)), text)
-    text = re.sub(r'<mi>([\U0001D400-\U0001D433])</mi>', _bold, text)
+    text = re.sub(r"<mi>([\U0001D400-\U0001D433])</mi>", _bold, text)
     text = re.sub(r'<mi mathvariant="bold">(.)</mi>', _bold, text)
-    text = re.sub(r"<(m[on])>([<&>])</\1>", lambda m: f"<{m[1]}>{ {'<': '&lt;', '&': '&amp;', '>': '&gt;'}[m[2]]}</{m[1]}>", text)
+    text = re.sub(
+        r"<(m[on])>([<&>])</\1>",
+        lambda m: f"<{m[1]}>{ {'<': '&lt;', '&': '&amp;', '>': '&gt;'}[m[2]] }</{m[1]}>",
+        text,
+    )
     return text
 
 
 def render(text):
     """HTML with its formulas converted."""
-    text = re.sub(r"\$\$(.+?)\$\$", lambda m: f'<div class="equation" tabindex="0" role="region" aria-label="equation">{formula(m[1], True)}</div>', text, flags=re.S)
+    text = re.sub(
+        r"\$\$(.+?)\$\$",
+        lambda m: (
+            f'<div class="equation" tabindex="0" role="region" aria-label="equation">{formula(m[1], True)}</div>'
+        ),
+        text,
+        flags=re.S,
+    )
     return re.sub(r"\$(.+?)\$", lambda m: formula(m[1]), text, flags=re.S)

@@ -12,12 +12,21 @@ def run(command, program):
     """What a shell command that ends in a `firn … --json` prints, parsed; its exit status under "exit"."""
     with tempfile.TemporaryDirectory(prefix="firn-teach-") as folder:
         environment = os.environ | {"PATH": f"{Path(program).parent}:{os.environ.get('PATH', '')}"}
-        done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+        done = subprocess.run(
+            ["bash", "-c", command],
+            cwd=folder,
+            env=environment,
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
     try:
         return json.loads(done.stdout) | {"exit": done.returncode}
     except (json.JSONDecodeError, TypeError):
         message = done.stderr.strip().splitlines()
-        raise RuntimeError(f"{command}: exit {done.returncode}: {message[-1] if message else 'no output'}") from None
+        raise RuntimeError(
+            f"{command}: exit {done.returncode}: {message[-1] if message else 'no output'}"
+        ) from None
 
 
 def run_all(commands, program):

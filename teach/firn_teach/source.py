@@ -6,14 +6,21 @@ import re
 
 from . import STAGES
 
-CPP_WORDS = ("const constexpr void double int bool auto for if else return namespace struct class static inline while switch case break continue "
-             "using template true false std this throw try catch enum public private explicit override final")
-PYTHON_WORDS = "def return for if else elif in not and or lambda import from continue None True False while"
+CPP_WORDS = (
+    "const constexpr void double int bool auto for if else return namespace struct class static inline while switch case break continue "
+    "using template true false std this throw try catch enum public private explicit override final"
+)
+PYTHON_WORDS = (
+    "def return for if else elif in not and or lambda import from continue None True False while"
+)
 
 
 def tokens(comment, directive, words):
     keyword = r"\b(?:" + "|".join(words.split()) + r")\b"
-    return re.compile(rf'(?P<comment>{comment}[^\n]*)|(?P<string>"(?:\\.|[^"\\\n])*")|(?P<directive>{directive})|(?P<keyword>{keyword})|(?P<number>\b\d[\w.]*(?:e[+-]\d+)?)', re.M)
+    return re.compile(
+        rf'(?P<comment>{comment}[^\n]*)|(?P<string>"(?:\\.|[^"\\\n])*")|(?P<directive>{directive})|(?P<keyword>{keyword})|(?P<number>\b\d[\w.]*(?:e[+-]\d+)?)',
+        re.M,
+    )
 
 
 CPP = tokens("//", r"^[ \t]*#[^\n]*", CPP_WORDS)
@@ -24,8 +31,10 @@ def highlight(text, language=CPP):
     """HTML of a source with classes on tokens; the text itself is unchanged."""
     out, end = [], 0
     for match in language.finditer(text):
-        out.append(html.escape(text[end:match.start()], quote=False))
-        out.append(f'<span class="{match.lastgroup[0]}">{html.escape(match[0], quote=False)}</span>')
+        out.append(html.escape(text[end : match.start()], quote=False))
+        out.append(
+            f'<span class="{match.lastgroup[0]}">{html.escape(match[0], quote=False)}</span>'
+        )
         end = match.end()
     return "".join(out) + html.escape(text[end:], quote=False)
 

@@ -17,7 +17,14 @@ WEB_MODULE = BUILD / "web/firn_web.js"
 
 
 def firn(*words, folder, **environment):
-    return subprocess.run([PROGRAM, *map(str, words)], cwd=folder, capture_output=True, text=True, timeout=300, env=os.environ | environment)
+    return subprocess.run(
+        [PROGRAM, *map(str, words)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        env=os.environ | environment,
+    )
 
 
 @pytest.fixture(scope="session")
@@ -30,7 +37,12 @@ def lesson(tmp_path_factory):
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     assert done.returncode == 0, done.stderr
     data = json.loads((folder / "lesson.json").read_text())
-    return SimpleNamespace(folder=folder, seconds=seconds, data=data, page=lambda name: (folder / name).read_text(encoding="utf-8"))
+    return SimpleNamespace(
+        folder=folder,
+        seconds=seconds,
+        data=data,
+        page=lambda name: (folder / name).read_text(encoding="utf-8"),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -40,7 +52,13 @@ def browser():
     if not driver:
         pytest.skip("no chromedriver on this machine")
     options = webdriver.ChromeOptions()
-    for argument in ("--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--hide-scrollbars"):
+    for argument in (
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-background-networking",
+        "--hide-scrollbars",
+    ):
         options.add_argument(argument)
     chrome = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
     yield chrome

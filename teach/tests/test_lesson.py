@@ -20,14 +20,18 @@ FILES = {"v_p": "velocity", "V_p0": "volume", "F_E": "F_E", "F_P": "F_P"}
 
 def numbers(page, when):
     """data-field, data-component -> text, as the page prints it."""
-    found = re.findall(rf'data-field="(\w+)" data-component="(\d+)" data-when="{when}">([^<]*)<', page)
+    found = re.findall(
+        rf'data-field="(\w+)" data-component="(\d+)" data-when="{when}">([^<]*)<', page
+    )
     return {(field, int(component)): text for field, component, text in found}
 
 
 def particle_after(lesson, steps, folder):
     """The chosen particle after so many steps, out of `firn run`'s file."""
     file = folder / f"{steps}.vtkhdf"
-    done = firn("run", "tiny_impact", "--solver", "reference", "--steps", steps, "-o", file, folder=folder)
+    done = firn(
+        "run", "tiny_impact", "--solver", "reference", "--steps", steps, "-o", file, folder=folder
+    )
     assert done.returncode == 0, done.stderr
     with h5py.File(file) as f:
         vtk = f["VTKHDF"]
@@ -64,7 +68,21 @@ def test_numbers_are_those_of_firn_run(lesson, tmp_path):
 
 
 def test_every_stage_shows_the_node_or_the_particle(lesson):
-    for name, fields in zip(pages.STAGE_FILES, (["m_i", "v_i"], ["V_p0"], ["f_i"], ["v_i_star"], ["v_i_star"], ["v_i_new"], ["F_E", "F_P"], ["v_p"], ["v_p"], ["x_p"])):
+    for name, fields in zip(
+        pages.STAGE_FILES,
+        (
+            ["m_i", "v_i"],
+            ["V_p0"],
+            ["f_i"],
+            ["v_i_star"],
+            ["v_i_star"],
+            ["v_i_new"],
+            ["F_E", "F_P"],
+            ["v_p"],
+            ["v_p"],
+            ["x_p"],
+        ),
+    ):
         assert {field for field, _ in numbers(lesson.page(name), "after")} == set(fields), name
 
 
@@ -96,17 +114,24 @@ def test_the_optimized_solver_is_checked_in_every_stage(lesson):
 
 # --- the source shown is the source compiled ------------------------------------------------
 
+
 def shown_sources(lesson):
     sources = {}
     for page in sorted(lesson.folder.glob("*.html")):
-        for path, text in re.findall(r'<pre class="source" tabindex="0" data-path="([^"]+)"><code>(.*?)</code></pre>', page.read_text(encoding="utf-8"), re.S):
+        for path, text in re.findall(
+            r'<pre class="source" tabindex="0" data-path="([^"]+)"><code>(.*?)</code></pre>',
+            page.read_text(encoding="utf-8"),
+            re.S,
+        ):
             sources[path] = html.unescape(re.sub(r"</?span[^>]*>", "", text))
     return sources
 
 
 def test_source_shown_is_the_file(lesson):
     sources = shown_sources(lesson)
-    assert {f"reference/step_{n:02d}_{name}.cpp" for n, name in enumerate(STAGES, 1)} <= set(sources)
+    assert {f"reference/step_{n:02d}_{name}.cpp" for n, name in enumerate(STAGES, 1)} <= set(
+        sources
+    )
     for path, text in sources.items():
         assert text == (ROOT / path).read_text(encoding="utf-8"), path
 
@@ -122,7 +147,7 @@ def compile_again(command, text, folder):
     words[words.index("-c") + 1] = str(source)
     for option in ("-MT", "-MF"):
         if option in words:
-            del words[words.index(option):words.index(option) + 2]
+            del words[words.index(option) : words.index(option) + 2]
     words = [word for word in words if word != "-MD"]
     subprocess.run(words, cwd=command["directory"], check=True, timeout=300)
     return (folder / (source.name + ".o")).read_bytes(), built.read_bytes()
@@ -134,22 +159,37 @@ def test_source_shown_compiles_to_the_very_object_that_was_linked(lesson, tmp_pa
     if any("-g" in commands[str(ROOT / path)]["command"].split() for path in steps):
         pytest.skip("objects with debug symbols hold the name of their folder")
     with ThreadPoolExecutor(2) as pool:
-        pairs = pool.map(lambda item: compile_again(commands[str(ROOT / item[0])], item[1], tmp_path), steps.items())
+        pairs = pool.map(
+            lambda item: compile_again(commands[str(ROOT / item[0])], item[1], tmp_path),
+            steps.items(),
+        )
         for path, (again, built) in zip(steps, pairs):
             assert again == built, path
     assert len(steps) == 10
 
 
 def test_another_source_makes_another_object(lesson, tmp_path):
-    command = {c["file"]: c for c in json.loads((BUILD / "compile_commands.json").read_text())}[str(ROOT / "reference/step_10_positions.cpp")]
-    again, built = compile_again(command, shown_sources(lesson)["reference/step_10_positions.cpp"].replace("dt * particles.v", "2 * dt * particles.v"), tmp_path)
+    command = {c["file"]: c for c in json.loads((BUILD / "compile_commands.json").read_text())}[
+        str(ROOT / "reference/step_10_positions.cpp")
+    ]
+    again, built = compile_again(
+        command,
+        shown_sources(lesson)["reference/step_10_positions.cpp"].replace(
+            "dt * particles.v", "2 * dt * particles.v"
+        ),
+        tmp_path,
+    )
     assert again != built
 
 
 # --- exercises ------------------------------------------------------------------------------
 
+
 def test_every_exercise_is_found_in_its_stage(lesson):
-    answers = re.findall(r'<p>The check says, stage <a href="[^"]+">(\w+)</a>: <code>([^<]*)</code>', lesson.page("exercises.html"))
+    answers = re.findall(
+        r'<p>The check says, stage <a href="[^"]+">(\w+)</a>: <code>([^<]*)</code>',
+        lesson.page("exercises.html"),
+    )
     assert len(answers) == len(lesson.data["exercises"]) == 12
     for (stage, message), exercise in zip(answers, lesson.data["exercises"]):
         assert stage == exercise["stage"] and "allowed difference" in message, exercise
@@ -166,7 +206,13 @@ def test_an_exercise_does_not_give_itself_away(lesson, tmp_path):
 
 def test_commands_of_parameters_show_what_the_answers_say(lesson):
     page = lesson.page("exercises.html")
-    tables = [[re.findall(r"<td[^>]*>([^<]*)<", row) for row in re.findall(r"<tr>(<td.*?)</tr>", body, re.S)] for body in re.findall(r"<tbody>(.*?)</tbody>", page, re.S)]
+    tables = [
+        [
+            re.findall(r"<td[^>]*>([^<]*)<", row)
+            for row in re.findall(r"<tr>(<td.*?)</tr>", body, re.S)
+        ]
+        for body in re.findall(r"<tbody>(.*?)</tbody>", page, re.S)
+    ]
     by_id = {task["id"]: rows for task, rows in zip(exercises.PARAMETERS, tables)}
     assert len(tables) == len(exercises.PARAMETERS) == 6
 
@@ -175,11 +221,12 @@ def test_commands_of_parameters_show_what_the_answers_say(lesson):
 
     def falls(values):
         return all(float(a) > float(b) for a, b in zip(values, values[1:]))
+
     speeds = [float(s) for s in column("alpha", 1)]
-    assert max(speeds[:3]) < 1 < speeds[3]                                     # one piece, then bursts
-    assert falls(column("xi", 1)[::-1])                                        # higher with more hardening
-    assert falls(column("theta-c", 1)[::-1])                                   # more is given back
-    assert falls(column("theta-s", 2)[::-1])                                   # more elastic energy is held
+    assert max(speeds[:3]) < 1 < speeds[3]  # one piece, then bursts
+    assert falls(column("xi", 1)[::-1])  # higher with more hardening
+    assert falls(column("theta-c", 1)[::-1])  # more is given back
+    assert falls(column("theta-s", 2)[::-1])  # more elastic energy is held
     assert column("dt", 1) == ["completed"] * 3 + ["failed"]
     assert column("beta", 1) == ["failed"] + ["completed"] * 3 and falls(column("beta", 2))
 
@@ -191,20 +238,38 @@ def test_unknown_exercise(tmp_path):
 
 # --- options --------------------------------------------------------------------------------
 
-@pytest.mark.parametrize("words, message", [(["--particle", "9999"], "--particle: id: got 9999"), (["--node", "1,2"], "--node: i,j,k: got 1,2"),
-                                            (["--node", "99,0,0"], "--node"), (["--step", "-1"], "--step: step to show: got -1"), (["no_such_scene"], "no_such_scene")])
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (["--particle", "9999"], "--particle: id: got 9999"),
+        (["--node", "1,2"], "--node: i,j,k: got 1,2"),
+        (["--node", "99,0,0"], "--node"),
+        (["--step", "-1"], "--step: step to show: got -1"),
+        (["no_such_scene"], "no_such_scene"),
+    ],
+)
 def test_bad_input(words, message, tmp_path):
     done = firn("teach", *words, "-o", tmp_path / "out", folder=tmp_path)
     assert done.returncode == 2 and message in done.stderr and done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("scene, words", [("two_particles", []), ("implicit.toml", ["--step", "3", "--particle", "7"]), ("periodic.toml", ["--step", "1"])])
+@pytest.mark.parametrize(
+    "scene, words",
+    [
+        ("two_particles", []),
+        ("implicit.toml", ["--step", "3", "--particle", "7"]),
+        ("periodic.toml", ["--step", "1"]),
+    ],
+)
 def test_other_scenes(scene, words, tmp_path, monkeypatch):
     text = firn("scenes", "--show", "tiny_impact", folder=tmp_path).stdout
     implicit = 'type = "semi-implicit"\nimplicitness = 1.0\ntolerance = 1e-8\nmax_iterations = 500'
     (tmp_path / "implicit.toml").write_text(text.replace('type = "explicit"', implicit))
-    (tmp_path / "periodic.toml").write_text(text.replace("spacing = 0.04", "spacing = 0.04\nperiodic = [0.24, 0.2, 0.0]"))
+    (tmp_path / "periodic.toml").write_text(
+        text.replace("spacing = 0.04", "spacing = 0.04\nperiodic = [0.24, 0.2, 0.0]")
+    )
     # The program records; the pages are made here, without measuring the exercises again.
     done = firn("teach", scene, *words, "-o", tmp_path, folder=tmp_path, FIRN_PYTHON="true")
     assert done.returncode == 0, done.stderr
@@ -225,5 +290,7 @@ def test_verify_finds_an_exercise_too(tmp_path):
 
 
 def test_mathml():
-    assert mathml.formula(r"\v_i") == ('<math xmlns="http://www.w3.org/1998/Math/MathML" display="inline"><mrow><msub>'
-                                       '<mi mathvariant="normal" class="b">v</mi><mi>i</mi></msub></mrow></math>')
+    assert mathml.formula(r"\v_i") == (
+        '<math xmlns="http://www.w3.org/1998/Math/MathML" display="inline"><mrow><msub>'
+        '<mi mathvariant="normal" class="b">v</mi><mi>i</mi></msub></mrow></math>'
+    )

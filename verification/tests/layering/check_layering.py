@@ -15,8 +15,22 @@ import re
 import sys
 from pathlib import Path
 
-FOLDERS = ("firn", "io", "simulation", "reference", "optimized", "guests", "verification", "solvers",
-           "bench", "cli", "reports", "teach", "web", "examples")
+FOLDERS = (
+    "firn",
+    "io",
+    "simulation",
+    "reference",
+    "optimized",
+    "guests",
+    "verification",
+    "solvers",
+    "bench",
+    "cli",
+    "reports",
+    "teach",
+    "web",
+    "examples",
+)
 
 # Folder (the longest match counts) -> what its files may include besides that folder itself.
 # An entry is a folder or one header.
@@ -42,7 +56,14 @@ ALLOWED = {
     "verification/tests/bench": ["firn", "io", "bench", "verification", SOLVERS],
     "verification/tests/oracles": ["firn", "bench", "verification", SOLVERS],
     "verification/tests/reference": ["firn", "reference", "verification"],
-    "verification/tests/optimized": ["firn", "io", "simulation", "optimized", "verification", SOLVERS],
+    "verification/tests/optimized": [
+        "firn",
+        "io",
+        "simulation",
+        "optimized",
+        "verification",
+        SOLVERS,
+    ],
     # A project of its own, built against the installed package.
     "verification/tests/install/outside": ["firn", "io", "reference", "verification"],
     # The composition root.
@@ -85,7 +106,9 @@ def target_of(root: Path, file: Path, include: str):
 
 
 def allowed(rule: str, target: str) -> bool:
-    return any(target == entry or target.startswith(entry + "/") for entry in [rule, *ALLOWED[rule]])
+    return any(
+        target == entry or target.startswith(entry + "/") for entry in [rule, *ALLOWED[rule]]
+    )
 
 
 def crossings(root: Path):

@@ -18,7 +18,7 @@ CASES = [
     ("firn/state.hpp", '#include "io/trajectory/reader.hpp"', False),
     ("reference/svd.cpp", '#include "firn/types.hpp"', True),
     ("reference/svd.cpp", '#include "optimized/math/svd-inl.h"', False),
-    ("reference/svd.cpp", '#  include <optimized/math/svd-inl.h>', False),
+    ("reference/svd.cpp", "#  include <optimized/math/svd-inl.h>", False),
     ("optimized/math/svd.cpp", '#include "reference/svd.hpp"', False),
     ("optimized/math/svd.cpp", '#include "../../reference/svd.hpp"', False),
     ("optimized/math/svd.cpp", '#define HWY_TARGET_INCLUDE "reference/svd.hpp"', False),

@@ -55,20 +55,29 @@ def compare(path):
         seen = vtk_to_numpy(data.GetPoints().GetData())
         expect(seen.dtype == points.dtype, f"{where}: points are {seen.dtype}")
         expect(np.array_equal(seen, points[rows]), f"{where}: points differ")
-        expect(data.GetPointData().GetNumberOfArrays() == len(ARRAYS), f"{where}: arrays are missing")
+        expect(
+            data.GetPointData().GetNumberOfArrays() == len(ARRAYS), f"{where}: arrays are missing"
+        )
         for name, components in ARRAYS.items():
             array = data.GetPointData().GetArray(name)
             expect(array is not None, f"{where}: {name} is missing")
             expect(array.GetNumberOfComponents() == components, f"{where}: components of {name}")
-            expect(np.array_equal(vtk_to_numpy(array), arrays[name][rows]), f"{where}: {name} differs")
+            expect(
+                np.array_equal(vtk_to_numpy(array), arrays[name][rows]), f"{where}: {name} differs"
+            )
     return frames
 
 
 def units_everywhere(path):
     missing = []
     with h5py.File(path, "r") as file:
-        file.visititems(lambda name, item: missing.append(name)
-                        if isinstance(item, h5py.Dataset) and "units" not in item.attrs else None)
+        file.visititems(
+            lambda name, item: (
+                missing.append(name)
+                if isinstance(item, h5py.Dataset) and "units" not in item.attrs
+                else None
+            )
+        )
     expect(not missing, f"{path}: no units at {missing}")
 
 
@@ -77,7 +86,11 @@ def main(kill_run, shim):
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "out.vtkhdf")
         for arguments in (["fixed"], ["adaptive"], ["fixed", "precision", "float"]):
-            subprocess.run([kill_run, arguments[0], path, *arguments[1:]], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [kill_run, arguments[0], path, *arguments[1:]],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
             units_everywhere(path)
             print(" ".join(arguments), "-", compare(path), "frames")
 
@@ -88,7 +101,9 @@ def main(kill_run, shim):
                 os.remove(path)
             environment = dict(os.environ, FIRN_KILL_AT=str(n), LD_PRELOAD=shim)
             environment["ASAN_OPTIONS"] = "verify_asan_link_order=0"
-            status = subprocess.run([kill_run, "fixed", path], env=environment, stdout=subprocess.DEVNULL)
+            status = subprocess.run(
+                [kill_run, "fixed", path], env=environment, stdout=subprocess.DEVNULL
+            )
             if status.returncode == 0:
                 break
             if os.path.exists(path):
