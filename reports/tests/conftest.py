@@ -2,7 +2,7 @@ import json
 
 import pytest
 
-from firn_reports import synthetic
+import synthetic
 
 
 @pytest.fixture(scope="session")

@@ -16,10 +16,11 @@ from firn_reports import (
     results_figures,
     results_page,
     results_tables,
-    synthetic,
 )
 from firn_reports.__main__ import main
 from firn_reports.page import Page
+
+import synthetic
 
 PLASTIC = "optimized,float,1T,plastic,100000"
 
@@ -36,12 +37,11 @@ def plain(folder):
 
 def test_every_repetition_and_every_fact_is_read(plain):
     case = plain.find("steps", PLASTIC)
-    assert len(case.quantities["time"].values) == 9 and case.value("time") == pytest.approx(100)
-    assert (
-        case["threads"] == 1
-        and case["deformation"] == "plastic"
-        and case.command.startswith("firn bench ")
-    )
+    assert len(case.quantities["time"].values) == 9
+    assert case.value("time") == pytest.approx(100)
+    assert case["threads"] == 1
+    assert case["deformation"] == "plastic"
+    assert case.command.startswith("firn bench ")
     assert plain.verify["optimized, float"]["rows"][2] == {
         "topic": "conservation",
         "check": "momentum",
@@ -49,7 +49,8 @@ def test_every_repetition_and_every_fact_is_read(plain):
         "verdict": "VALID",
         "command": "firn verify --filter x",
     }
-    assert len(plain.mutants["rows"]) == 2 and plain.sessions[0]["processor"] == "synthetic"
+    assert len(plain.mutants["rows"]) == 2
+    assert plain.sessions[0]["processor"] == "synthetic"
 
 
 def test_what_is_noisy_or_invalid_is_never_quoted(folder):
@@ -59,7 +60,8 @@ def test_what_is_noisy_or_invalid_is_never_quoted(folder):
     row = next(
         row for row in table.rows if "made" not in row and row[-1].text.endswith(f"{PLASTIC}'")
     )
-    assert row[table.columns.index("time [ns]")] is None and str(row[-2]) == "noisy"
+    assert row[table.columns.index("time [ns]")] is None
+    assert str(row[-2]) == "noisy"
     assert all(c.name != PLASTIC for c, *_ in results_figures.roofline_points(r))
 
 
@@ -68,14 +70,12 @@ def test_the_same_run_is_neither_slower_nor_faster(plain):
     assert kinds == {"same"}
 
 
-@pytest.mark.parametrize("factor, kind", [(1.3, "worse"), (0.7, "better"), (1.05, "same")])
+@pytest.mark.parametrize(("factor", "kind"), [(1.3, "worse"), (0.7, "better"), (1.05, "same")])
 def test_a_slow_down_beyond_the_threshold_is_found(folder, plain, factor, kind):
     new = results.read(synthetic.write_results(folder / "new.h5", slow={PLASTIC: factor}))
     changes = {(c.case.suite, c.case.name, c.quantity): c for c in baseline.compare(new, plain)}
-    assert (
-        changes["steps", PLASTIC, "time"].kind == kind
-        and changes["speedup", PLASTIC, "speedup"].kind == kind
-    )
+    assert changes["steps", PLASTIC, "time"].kind == kind
+    assert changes["speedup", PLASTIC, "speedup"].kind == kind
     assert changes["steps", PLASTIC, "time"].ratio == pytest.approx(factor)
     others = {c.kind for (suite, name, _), c in changes.items() if name != PLASTIC}
     assert others == {"same"}
@@ -89,10 +89,8 @@ def test_noise_hides_a_change_that_it_could_have_made(folder, plain):
         for c in baseline.compare(new, plain)
         if c.case.name == PLASTIC and c.case.suite == "steps" and c.quantity == "time"
     )
-    assert (
-        change.uncertainty == pytest.approx(3 * 1.25 * 0.6 / 1.35 / 3, rel=0.02)
-        and change.kind == "same"
-    )
+    assert change.uncertainty == pytest.approx(3 * 1.25 * 0.6 / 1.35 / 3, rel=0.02)
+    assert change.kind == "same"
 
 
 def test_a_slow_minute_of_the_machine_is_not_the_solver_s_fault(folder, plain):
@@ -105,18 +103,17 @@ def test_a_slow_minute_of_the_machine_is_not_the_solver_s_fault(folder, plain):
     }
     assert changes["steps", PLASTIC, "time"].kind == "same"
     # A ratio of interleaved runs has no such excuse, and stands for its case alone.
-    assert (
-        changes["speedup", PLASTIC, "speedup"].kind == "worse"
-        and ("speedup", PLASTIC, "time") not in changes
-    )
+    assert changes["speedup", PLASTIC, "speedup"].kind == "worse"
+    assert ("speedup", PLASTIC, "time") not in changes
 
 
-@pytest.mark.parametrize("factor, exit_status", [(1.3, 1), (1.0, 0), (0.7, 0)])
+@pytest.mark.parametrize(("factor", "exit_status"), [(1.3, 1), (1.0, 0), (0.7, 0)])
 def test_exit_status_against_a_baseline(folder, tmp_path, plain, capsys, factor, exit_status):
     new = synthetic.write_results(folder / "exit.h5", slow={PLASTIC: factor})
     assert main([str(new), "--baseline", str(plain.path), "-o", str(tmp_path)]) == exit_status
     html = (tmp_path / "index.html").read_text()
-    assert ("SLOWER" in html) == bool(exit_status) and "Against the baseline" in html
+    assert ("SLOWER" in html) == bool(exit_status)
+    assert "Against the baseline" in html
     assert (
         main([str(new), "--baseline", str(plain.path), "--threshold", "0.5", "-o", str(tmp_path)])
         == 0
@@ -150,24 +147,23 @@ def test_the_verdict_needs_every_check_and_every_case(folder):
 
 def test_orders_and_pareto_front(plain):
     order, where = accuracy.best_order(results.read(plain.path)) or (None, "")
-    assert order == pytest.approx(2.0) and "16 to 64" in where and "reference" in where
+    assert order == pytest.approx(2.0)
+    assert "16 to 64" in where
+    assert "reference" in where
     assert accuracy.pareto([(1, 5), (2, 6), (3, 1), (0.5, 9), (4, 1)]) == [3, 0, 2]
 
 
 def test_time_to_an_error_is_the_fastest_run_that_is_accurate_enough(plain):
     table = accuracy.time_to_error(plain)[0]
-    rows = [dict(zip(table.columns, row)) for row in table.rows]
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     mine = {row["method"]: row for row in rows if row["error asked for"] == 0.03}
     # α = 1 reaches 0.025 with 32 cells, α = 0 only with 64; float is 20 times faster.
     explicit = mine["optimized, float"]
-    assert (
-        explicit["cells"] == 32
-        and explicit["α"] == "1"
-        and explicit["wall time [s]"] == pytest.approx(100 * 32**2 * 1e-6)
-    )
-    assert explicit["times the fastest"] == 1 and mine["reference, double"][
-        "times the fastest"
-    ] == pytest.approx(20)
+    assert explicit["cells"] == 32
+    assert explicit["α"] == "1"
+    assert explicit["wall time [s]"] == pytest.approx(100 * 32**2 * 1e-6)
+    assert explicit["times the fastest"] == 1
+    assert mine["reference, double"]["times the fastest"] == pytest.approx(20)
     # The implicit runs reach no more than 0.125.
     assert not any("implicit" in name for name in mine)
     assert any("implicit" in row["method"] for row in rows) is False
@@ -179,16 +175,16 @@ def test_what_happened_under_stress_stands_beside_what_was_expected(folder):
     table = limits.stress_table(r)[0]
     assert table.columns[:4] == ["situation", "expected", "reference, double", "optimized, float"]
     row = next(row for row in table.rows if row[0] == "F_E is not a number")
-    assert row[1] == "stops" and row[3].kind == "bad" and str(row[2]).startswith("stopped")
+    assert row[1] == "stops"
+    assert row[3].kind == "bad"
+    assert str(row[2]).startswith("stopped")
 
 
 def test_the_table_for_the_readme_quotes_what_the_page_quotes(plain, folder, capsys):
     text = readme_table.text(plain)
     assert "| optimized, float, plastic | 1 000 000 | 10 M/s | 20 M/s (2 T) | 20× | – |" in text
-    assert (
-        "| verification of optimized, float | VALID, 3 checks |" in text
-        and "| wrong solvers caught | 2 of 2 |" in text
-    )
+    assert "| verification of optimized, float | VALID, 3 checks |" in text
+    assert "| wrong solvers caught | 2 of 2 |" in text
     assert (
         "| share of the FMA peak of AVX2, optimized, 100 000 particles, what the factored step needs | 50 % |"
         in text
@@ -215,9 +211,8 @@ def test_an_unfinished_run_and_a_changed_environment_are_pointed_out(folder):
         file["sessions/0"].attrs["cases_asked_for"] = 500.0
         file["sessions/0"].attrs["environment"] = "FIRN_NO_SKIP=all"
     texts = [text for text, _ in results_page.build(results.read(path))[0].look_at]
-    assert any("of 500 cases" in text for text in texts) and any(
-        "FIRN_NO_SKIP=all" in text for text in texts
-    )
+    assert any("of 500 cases" in text for text in texts)
+    assert any("FIRN_NO_SKIP=all" in text for text in texts)
 
 
 def test_a_busy_machine_is_pointed_out_for_timings_only(folder):
@@ -256,7 +251,8 @@ def test_both_counts_of_the_share_of_the_peak_are_shown_and_named(plain, monkeyp
         "% of its FMA peak, factored count": pytest.approx(50),
         "% of its FMA peak, plain count": pytest.approx(60),
     }
-    assert titles[1].endswith("factored count") and titles[2].endswith("plain count")
+    assert titles[1].endswith("factored count")
+    assert titles[2].endswith("plain count")
 
 
 def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
@@ -296,25 +292,22 @@ def test_what_threads_bring_stands_beside_what_independent_copies_bring(plain, f
     )
     figure = results_figures.scaling(plain)[0]
     rows, more = drawn["times one thread"]
-    assert (
-        [row[1] for row in rows] == pytest.approx([1.6])
-        and more["ticks"] == pytest.approx([1.8])
-        and "share nothing" in figure.caption
-    )
+    assert [row[1] for row in rows] == pytest.approx([1.6])
+    assert more["ticks"] == pytest.approx([1.8])
+    assert "share nothing" in figure.caption
     # A file from before the copies were measured gives the figure without them.
     cases = synthetic.synthetic_cases()
     for case in cases:
         case["quantities"].pop("efficiency of independent copies", None)
     old = results.read(synthetic.write_results(folder / "no_copies.h5", cases=cases))
-    assert "share nothing" not in results_figures.scaling(old)[0].caption and drawn[
-        "times one thread"
-    ][1]["ticks"] == [None]
+    assert "share nothing" not in results_figures.scaling(old)[0].caption
+    assert drawn["times one thread"][1]["ticks"] == [None]
     assert "| efficiency of 2 threads | 0.8 |" in readme_table.text(old)
 
 
 def test_semi_implicit_steps_are_told_with_the_explicit_ones_beside_them(plain):
     table = implicit.tables(plain)[0]
-    rows = [dict(zip(table.columns, row)) for row in table.rows]
+    rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     fastest = {
         row["error asked for"]: (row["method"], row["wall time [s]"])
         for row in rows
@@ -347,9 +340,8 @@ def test_every_number_of_the_summary_and_every_figure_has_its_command(plain):
     page, _ = results_page.build(plain)
     assert all(tile.command.startswith("firn ") for tile in page.tiles)
     figures = [f for section in page.sections for f in section.figures]
-    assert (
-        len(figures) > 20 and [f.title for f in figures if not f.command.startswith("firn ")] == []
-    )
+    assert len(figures) > 20
+    assert [f.title for f in figures if not f.command.startswith("firn ")] == []
     assert [t.title for section in page.sections for t in section.tables if not t.command] == []
 
 
@@ -407,7 +399,8 @@ def test_a_damaged_results_file_gets_one_line_and_exit_2(folder, tmp_path, capsy
     with h5py.File(path, "a") as file:
         del file[f"cases/steps/{PLASTIC}"].attrs["status"]
     assert main([str(path), "-o", str(tmp_path / "x")]) == 2
-    assert capsys.readouterr().err.count("\n") == 1 and not (tmp_path / "x").exists()
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (tmp_path / "x").exists()
 
 
 def test_median_error_of_normal_repetitions():

@@ -32,7 +32,7 @@ def test_the_nearer_of_two_particles_is_seen():
     )
     camera.near = -5.0
     for order in ([near, far], [far, near]):
-        depth, index, _ = snowball.splat(camera, frame(order, [1, 1]))
+        _, index, _ = snowball.splat(camera, frame(order, [1, 1]))
         column, row, _ = camera.project(np.array([near]))
         assert order[index[int(row[0]), int(column[0])]] == near
 
@@ -52,22 +52,22 @@ def test_compacted_snow_is_blue_and_loosened_snow_is_amber():
         colours.append(
             snowball.render(scene, f, snowball.Camera(scene, [f.x], 120, 120), norm)[60, 60]
         )
-    assert colours[0][2] > colours[0][0] and colours[1][0] > colours[1][2]
+    assert colours[0][2] > colours[0][0]
+    assert colours[1][0] > colours[1][2]
 
 
 def test_ground_is_drawn_below_and_shaded_under_the_body():
     ground = {"shape": {"type": "half-space", "point": [0, 0, 0], "normal": [0, 0, 1]}}
     scene = {"gravity": [0, 0, -9.81], "collider": [ground]}
-    f = frame(block() + [0, 0, 0.1], np.ones(12**3))
+    f = frame(block() + np.array([0, 0, 0.1]), np.ones(12**3))
     camera = snowball.Camera(scene, [f.x], 160, 160)
     depth, normal, point = snowball.trace_colliders(camera, scene, 0.0)
-    assert (
-        np.isfinite(depth).all()
-        and np.allclose(point[..., 2], 0, atol=1e-9)
-        and np.allclose(normal[80, 80], [0, 0, 1])
-    )
+    assert np.isfinite(depth).all()
+    assert np.allclose(point[..., 2], 0, atol=1e-9)
+    assert np.allclose(normal[80, 80], [0, 0, 1])
     light = snowball.shadow(camera, f, np.array([[[0.5, 0.5, 0.0]], [[30.0, 30.0, 0.0]]]))
-    assert light[0, 0] < 0.6 and light[1, 0] == 1.0
+    assert light[0, 0] < 0.6
+    assert light[1, 0] == 1.0
 
 
 def test_a_ball_as_collider_is_met_at_its_near_side():

@@ -4,16 +4,22 @@ import h5py
 import numpy as np
 import pytest
 
-from firn_reports import InputError, synthetic, trajectory, trajectory_page
+from firn_reports import InputError, trajectory, trajectory_page
 from firn_reports.__main__ import main
 from firn_reports.colliders import collider_distance, free_flight_reach
+
+import synthetic
 
 
 def test_only_the_valid_rows_and_frames_of_an_interrupted_file_are_read(trajectory_file):
     t = trajectory.read(trajectory_file)
-    assert len(t.times) == 13 and len(t.diagnostics["time"]) == 600 and t.steps == 600
-    assert t.times[-1] == pytest.approx(0.6) and t.diagnostics["mass"].min() > 0
-    assert t.frame(-1).time == t.times[-1] and np.isfinite(t.frame(-1).x).all()
+    assert len(t.times) == 13
+    assert len(t.diagnostics["time"]) == 600
+    assert t.steps == 600
+    assert t.times[-1] == pytest.approx(0.6)
+    assert t.diagnostics["mass"].min() > 0
+    assert t.frame(-1).time == t.times[-1]
+    assert np.isfinite(t.frame(-1).x).all()
     assert t.units["momentum"] == "kg m/s"
 
 
@@ -40,7 +46,7 @@ def test_a_broken_law_is_seen(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "shape, x, phi",
+    ("shape", "x", "phi"),
     [
         ({"type": "half-space", "point": [0, 0, 1], "normal": [0, 0, 2]}, [3, 4, 3], 2.0),
         ({"type": "sphere", "center": [1, 0, 0], "radius": 1}, [4, 0, 0], 2.0),
@@ -79,7 +85,7 @@ def test_reach_is_unknown_beside_a_moving_collider():
     assert free_flight_reach({"grid": {"spacing": 0.1}}, np.zeros((1, 3))) == np.inf
 
 
-@pytest.mark.parametrize("verdict, kind", [("VALID", "good"), ("INVALID", "bad")])
+@pytest.mark.parametrize(("verdict", "kind"), [("VALID", "good"), ("INVALID", "bad")])
 def test_the_page_is_one_file_with_its_verdict(
     trajectory_file, check_file, tmp_path, verdict, kind
 ):
@@ -90,15 +96,18 @@ def test_the_page_is_one_file_with_its_verdict(
         == 0
     )
     html = (tmp_path / "out" / "index.html").read_text()
-    assert f'class="verdict {kind}"' in html and f"<strong>{verdict}</strong>" in html
-    assert "http://" not in html.replace("http://www.w3.org", "") and "https://" not in html
+    assert f'class="verdict {kind}"' in html
+    assert f"<strong>{verdict}</strong>" in html
+    assert "http://" not in html.replace("http://www.w3.org", "")
+    assert "https://" not in html
     assert (tmp_path / "out" / "snowball.png").read_bytes().startswith(b"\x89PNG")
     rows = (tmp_path / "out" / "csv" / "diagnostics.csv").read_text().splitlines()
-    assert rows[0].startswith("time [s],dt [s]") and len(rows) == 401
+    assert rows[0].startswith("time [s],dt [s]")
+    assert len(rows) == 401
 
 
 @pytest.mark.parametrize(
-    "damage, message",
+    ("damage", "message"),
     [
         (lambda f: f["VTKHDF/Steps"].attrs.__delitem__("NSteps"), "NSteps"),
         (lambda f: f["VTKHDF/Steps"].attrs.__setitem__("NSteps", 0), "at least 1 frame"),
@@ -113,7 +122,9 @@ def test_a_damaged_file_gets_one_line_and_exit_2(tmp_path, capsys, damage, messa
         damage(file)
     assert main([str(path), "-o", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
-    assert message in error and error.count("\n") == 1 and str(path) in error
+    assert message in error
+    assert error.count("\n") == 1
+    assert str(path) in error
     assert not (tmp_path / "out").exists()
 
 
@@ -124,7 +135,7 @@ def test_what_is_no_file_or_no_check_gets_one_line_and_exit_2(tmp_path, trajecto
         [str(tmp_path / "text")],
         [str(trajectory_file), "--check", str(tmp_path / "text")],
     ):
-        assert main(arguments + ["-o", str(tmp_path / "out")]) == 2
+        assert main([*arguments, "-o", str(tmp_path / "out")]) == 2
         assert capsys.readouterr().err.count("\n") == 1
     with pytest.raises(InputError):
         trajectory.read(

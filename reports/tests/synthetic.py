@@ -92,7 +92,10 @@ def write_trajectory(path, particles=3000, steps=600, frames=13, spare=0, scene=
 def _write_diagnostics(table, mass, dt, k, height, speed, landed, spare):
     rows = len(k)
     zero = np.zeros(rows)
-    vector = lambda z: np.stack([zero, zero, z], axis=1)
+
+    def vector(z):
+        return np.stack([zero, zero, z], axis=1)
+
     columns = {
         "time": (k * dt, "s"),
         "dt": (zero + dt, "s"),
@@ -111,7 +114,7 @@ def _write_diagnostics(table, mass, dt, k, height, speed, landed, spare):
     }
     table.attrs["rows"] = rows
     for name, (values, units) in columns.items():
-        rubbish = np.full((spare,) + values.shape[1:], -12345.0)
+        rubbish = np.full((spare, *values.shape[1:]), -12345.0)
         table[name] = np.concatenate([values, rubbish])
         table[name].attrs["units"] = units
 
@@ -119,7 +122,7 @@ def _write_diagnostics(table, mass, dt, k, height, speed, landed, spare):
 def _write_frames(vtk, points, J_P, m, times, spare):
     n, frames = len(m), len(points)
     rubbish = np.full((spare * n, 3), np.nan)
-    vtk["Points"] = np.concatenate(points + [rubbish])
+    vtk["Points"] = np.concatenate([*points, rubbish])
     data = vtk.create_group("PointData")
     total = frames + spare
     F_P = np.concatenate(
@@ -144,31 +147,34 @@ def _write_frames(vtk, points, J_P, m, times, spare):
 
 def check(verdict="VALID"):
     """What `firn check --json` prints, for two fields of one stage."""
-    field = lambda name, bounds: {
-        "from": "rasterize",
-        "through": "rasterize",
-        "written_by": "rasterize",
-        "field": name,
-        "units": "kg",
-        "compared": 812,
-        "non_finite": 0,
-        "largest_absolute": 1e-17,
-        "rms_absolute": 1e-18,
-        "largest_relative": 2e-16,
-        "rms_relative": 1e-16,
-        "largest_in_bounds": bounds,
-        "rms_in_bounds": bounds / 5,
-        "verdict": "VALID" if bounds <= 1 else "INVALID",
-        "worst": {
-            "step": 3,
-            "node": [1, 2, 3],
-            "index": 17,
-            "component": 0,
-            "reference": 0.5,
-            "subject": 0.5,
-            "bound": 1e-16,
-        },
-    }
+
+    def field(name, bounds):
+        return {
+            "from": "rasterize",
+            "through": "rasterize",
+            "written_by": "rasterize",
+            "field": name,
+            "units": "kg",
+            "compared": 812,
+            "non_finite": 0,
+            "largest_absolute": 1e-17,
+            "rms_absolute": 1e-18,
+            "largest_relative": 2e-16,
+            "rms_relative": 1e-16,
+            "largest_in_bounds": bounds,
+            "rms_in_bounds": bounds / 5,
+            "verdict": "VALID" if bounds <= 1 else "INVALID",
+            "worst": {
+                "step": 3,
+                "node": [1, 2, 3],
+                "index": 17,
+                "component": 0,
+                "reference": 0.5,
+                "subject": 0.5,
+                "bound": 1e-16,
+            },
+        }
+
     worst = 0.2 if verdict == "VALID" else 40.0
     return {
         "scene": "synthetic",
@@ -223,7 +229,7 @@ def _computed(value, better="lower"):
 def _implicit_cases():
     """Twice the cost of an explicit second at r = 10, half of it at 50; errors grow with r."""
     cases = []
-    block = dict(youngs_modulus=1e6, particles=4096)
+    block = {"youngs_modulus": 1e6, "particles": 4096}
     for r, ratio in ((10, 2.0), (50, 0.5)):
         cases.append(
             _case(
@@ -252,7 +258,7 @@ def _implicit_cases():
 def _stability_cases():
     cases = []
     tried = {"stable": _computed(1.0, "neither"), "unstable": _computed(20.0, "neither")}
-    point = dict(hardening=10, J_P=1, h=0.05)
+    point = {"hardening": 10, "J_P": 1, "h": 0.05}
     for value in (0, 0.5, 1):
         cases.append(
             _case(
@@ -437,7 +443,10 @@ def synthetic_cases():
             {"speedup": _timing(20.0, "1", "higher")},
         )
     )
-    ratio = lambda value, better="higher": _timing(value, "1", better)
+
+    def ratio(value, better="higher"):
+        return _timing(value, "1", better)
+
     for name, quantities in (
         (
             "2T,plastic,1000000",
@@ -558,11 +567,11 @@ def write_results(path, slow=(), status=(), noise=0.01, verify="VALID", cases=No
                 }
             )
             group.create_group("quantities")
-            for name, (value, units, better, timed) in (
+            for name, (median, units, better, timed) in (
                 {} if state in ("invalid", "failed") else case["quantities"]
             ).items():
                 factor = slow.get(case["name"], 1.0) if timed else 1.0
-                value = value * factor if better == "lower" else value / factor
+                value = median * factor if better == "lower" else median / factor
                 values = value * (1 + noise * np.linspace(-1, 1, 9)) if timed else [value]
                 data = group.create_dataset(f"quantities/{name}", data=values)
                 data.attrs.update(
