@@ -80,7 +80,7 @@ def stencil(x, scene):
 
 def scatter(at, values, nodes):
     """Sums values (p, 64, ...) at the nodes."""
-    total = np.zeros((nodes,) + values.shape[2:])
+    total = np.zeros((nodes, *values.shape[2:]))
     np.add.at(total, at, values)
     return total
 

@@ -155,11 +155,16 @@ def draw_front(axes, cases, method):
         points = [(c.value("time"), c.value("error")) for c in cases if method(c) == name]
         colour, marker = SERIES[i % 8], MARKERS[i % 8]
         axes.plot(
-            *zip(*points), color=colour, marker=marker, linestyle="none", markersize=3.5, alpha=0.45
+            *zip(*points, strict=True),
+            color=colour,
+            marker=marker,
+            linestyle="none",
+            markersize=3.5,
+            alpha=0.45,
         )
         front = [points[k] for k in pareto(points)]
         axes.plot(
-            *zip(*front),
+            *zip(*front, strict=True),
             color=colour,
             marker=marker,
             linewidth=1.2,
@@ -207,7 +212,7 @@ def reaching(cases, target):
 
 
 def time_to_error(results):
-    """Time to reach a given error, for every method; the fastest of each problem is marked in words."""
+    """Table of the times to reach a given error, for every method and problem."""
     rows = []
     cases = quoted(results)
     for problem in problems(cases):
@@ -328,7 +333,10 @@ def order_table(results):
 
 
 def best_order(results):
-    """The order of the standing wave without damping, from the coarsest to the finest of the solver with most resolutions."""
+    """The order of the standing wave without damping, and a text that says what it was measured on.
+
+    From the coarsest to the finest run of the solver with most resolutions; None without two.
+    """
     cases = [
         c
         for c in quoted(results)

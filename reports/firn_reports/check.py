@@ -1,4 +1,4 @@
-"""The JSON that `firn check --json` prints: the verdict, the fields that each stage wrote, other properties."""
+"""What `firn check --json` prints: the verdict, the fields that each stage wrote, properties."""
 
 import json
 from pathlib import Path

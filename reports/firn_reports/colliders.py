@@ -1,4 +1,4 @@
-"""Signed distances of a scene's analytic colliders, for pictures and for the reach of free flight."""
+"""Signed distances of a scene's analytic colliders, for pictures and the reach of free flight."""
 
 import numpy as np
 

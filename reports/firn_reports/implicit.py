@@ -133,7 +133,7 @@ def fronts(cases):
             Figure(
                 f"Landing block, {label}: run time against error",
                 to_svg(figure),
-                command=f"firn bench 'implicit/error*'",
+                command="firn bench 'implicit/error*'",
                 caption="Displacements from free fall after 24 ms of impact, against explicit steps an eighth of the limit; r from ½ to 20. "
                 "Lines: the front of each method; ringed: nobody is both faster and more accurate.",
             )

@@ -71,7 +71,7 @@ def stability(results):
 
 
 def draw_tries(axes, cases, scale=lambda case: 1.0):
-    """Every step that the bisections tried: a dot where the run was stable, a cross where it burst."""
+    """Every step that the bisections tried: a dot for a stable run, a cross for an unstable one."""
     for outcome, marker, colour in (("stable", "o", GOOD), ("unstable", "x", BAD)):
         points = [
             (c["value"], value * scale(c))
@@ -81,7 +81,7 @@ def draw_tries(axes, cases, scale=lambda case: 1.0):
         ]
         if points:
             axes.plot(
-                *zip(*points),
+                *zip(*points, strict=True),
                 linestyle="none",
                 marker=marker,
                 markersize=3.5,
@@ -99,7 +99,10 @@ def stability_map(varied, cases):
     scale = (
         (lambda c: np.exp(-0.5 * c["hardening"] * (1 - c["J_P"]))) if hardened else (lambda c: 1.0)
     )
-    at = lambda c, quantity: None if limit(c, quantity) is None else scale(c) * limit(c, quantity)
+
+    def at(c, quantity):
+        return None if limit(c, quantity) is None else scale(c) * limit(c, quantity)
+
     found = [at(c, "cfl") for c in cases if limit(c, "cfl") is not None]
     top = 1.35 * max(found, default=LARGEST_TRIED)
     draw_tries(axes, cases, scale)
@@ -152,7 +155,10 @@ def stability_map(varied, cases):
 
 
 def expected(case):
-    """Where the bisection should end: up to 2 % beyond the limit itself, where growth is seen in 600 steps."""
+    """Where the bisection should end.
+
+    Growth is seen in 600 steps only up to 2 % beyond the limit itself.
+    """
     return limit(case, "expected_cfl" if "expected_cfl" in case.quantities else "predicted_cfl")
 
 
@@ -174,8 +180,11 @@ def seconds(cases):
     if not shown:
         return []
     figure, axes = panel(4.6, 3.3)
-    in_seconds = lambda c: c.value("step") / c.value("cfl")
-    draw_tries(axes, [c for c in shown], in_seconds)
+
+    def in_seconds(c):
+        return c.value("step") / c.value("cfl")
+
+    draw_tries(axes, list(shown), in_seconds)
     for name, style in styles(
         f"h = {c['h']} m" for c in sorted(shown, key=lambda c: c["h"])
     ).items():
@@ -210,14 +219,15 @@ def seconds(cases):
 
 
 def lone_particle(cases):
-    """One particle with the mass of a full cell: its own limit, with the volume stated and estimated."""
+    """One particle with the mass of a full cell: its limit for a stated and an estimated volume."""
     if not cases:
         return []
     figure, axes = panel(4.6, 3.3)
     draw_tries(axes, [c for c in cases if c["solver"] != "reference"])
-    name_of = lambda c: (
-        c["varied"].split(", ")[1] + (", reference" if c["solver"] == "reference" else "")
-    )
+
+    def name_of(c):
+        return c["varied"].split(", ")[1] + (", reference" if c["solver"] == "reference" else "")
+
     for name, style in styles(
         name_of(c) for c in sorted(cases, key=lambda c: (c["solver"], c["varied"]))
     ).items():

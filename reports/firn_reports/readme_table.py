@@ -137,19 +137,22 @@ def text(results):
     machine = results.sessions[0] if results.sessions else {}
     lines = []
     if rows := rate_rows(results):
-        lines += markdown_table(
-            [
-                "particle-steps per second",
-                "particles",
-                "1 thread",
-                "all threads",
-                "times the reference",
-                "memory per particle",
-            ],
-            rows,
-        ) + [""]
+        lines += [
+            *markdown_table(
+                [
+                    "particle-steps per second",
+                    "particles",
+                    "1 thread",
+                    "all threads",
+                    "times the reference",
+                    "memory per particle",
+                ],
+                rows,
+            ),
+            "",
+        ]
     if found := facts(results):
-        lines += markdown_table(["what", "figure"], found) + [""]
+        lines += [*markdown_table(["what", "figure"], found), ""]
     lines.append(
         f"Measured {str(machine.get('started', 'unknown'))[:10]} on {machine.get('processor', 'an unknown processor')}, "
         f"{machine.get('processors', '?')} processors, {machine.get('instruction_set', '?')}, {machine.get('compiler', '?')}, commit {machine.get('git_commit', '?')}, "

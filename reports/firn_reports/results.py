@@ -1,4 +1,7 @@
-"""A results file (format firn-results): measured cases, sessions, verifications, mutants. See docs/results_schema.md."""
+"""A results file (format firn-results): measured cases, sessions, verifications, mutants.
+
+docs/results_schema.md describes the format.
+"""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -100,9 +103,9 @@ RENAMED = {("targets", "FMA peak"): "FMA peak, factored count"}
 def read_case(suite, name, group):
     a = attributes(group)
     quantities = {}
-    for key, data in group["quantities"].items():
+    for stored_name, data in group["quantities"].items():
         q = attributes(data)
-        key = RENAMED.get((suite, key), key)
+        key = RENAMED.get((suite, stored_name), stored_name)
         quantities[key] = Quantity(
             key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float)
         )
@@ -126,8 +129,10 @@ def read_case(suite, name, group):
 
 def read_columns(group, columns):
     return [
-        dict(zip(columns, values))
-        for values in zip(*[[plain(v) for v in group[column][()]] for column in columns])
+        dict(zip(columns, values, strict=True))
+        for values in zip(
+            *[[plain(v) for v in group[column][()]] for column in columns], strict=True
+        )
     ]
 
 

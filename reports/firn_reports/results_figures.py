@@ -19,11 +19,13 @@ from .style import (
     to_svg,
 )
 
-# What a plain cubic-spline step computes per particle (bench/needed_work.hpp): 64 nodes times (1 mass + 3 momentum +
-# 9 force in the scatter, 6 velocity + 9 gradient in the gather) multiply-adds, 8 for the products of weights. The
-# update of F (some 500) is left out: it depends on what yields.
+# What a plain cubic-spline step computes per particle (bench/needed_work.hpp): 64 nodes times
+# (1 mass + 3 momentum + 9 force in the scatter, 6 velocity + 9 gradient in the gather)
+# multiply-adds, 8 for the products of weights. The update of F (some 500) is left out: it depends
+# on what yields.
 PLAIN_FLOP = 64 * (2 * 28 + 8)
-# x, v, F_E, F_P read and written, m and V_0 read: numbers that any step must move if nothing stays in cache.
+# x, v, F_E, F_P read and written, m and V_0 read: numbers that any step must move if nothing stays
+# in cache.
 PLAIN_NUMBERS = 2 * 24 + 2
 
 
@@ -57,13 +59,17 @@ def bars(
     ticks=(),
     text=lambda value: plain(float(f"{value:.3g}")),
 ):
-    """Horizontal bars: (label, value, low, high), the value written at the end. `marks`: dashed lines through all of them; `ticks`: a value beside each, or None."""
+    """Horizontal bars as SVG, the value written at the end of each.
+
+    `rows`: (label, value, low, high); `marks`: dashed lines through all bars; `ticks`: a value
+    beside each bar, or None.
+    """
     figure, axes = panel(4.6, 0.75 + 0.3 * max(len(rows), 2))
     lowest, highest = (
         min([0, *(row[2] for row in rows)]),
         max([0, *(row[3] for row in rows), *(t for t in ticks if t)]),
     )
-    for y, (label, value, low, high) in enumerate(rows):
+    for y, (_, value, low, high) in enumerate(rows):
         # The number stands behind its bar, and behind a dashed line that it would cross.
         tick = ticks[y] if y < len(ticks) else None
         reach = max(value, high, tick or 0)
@@ -174,7 +180,10 @@ def scaling(results):
     cases = sorted(
         results.suite("scaling"), key=lambda c: (c["precision"], c["deformation"], c["particles"])
     )
-    name = lambda c: f"{c['precision']}, {c['deformation']}, {plain(c['particles'] / 1e6)} M"
+
+    def name(c):
+        return f"{c['precision']}, {c['deformation']}, {plain(c['particles'] / 1e6)} M"
+
     made = []
     threads = [c for c in cases if c.value("efficiency") is not None]
     if threads:
@@ -437,7 +446,10 @@ def targets(results):
     )
     if not cases:
         return []
-    name = lambda c: f"{c['target']}, {c['precision']}, {c['deformation']}"
+
+    def name(c):
+        return f"{c['target']}, {c['precision']}, {c['deformation']}"
+
     made = [
         Figure(
             "Time per particle and step",
@@ -481,7 +493,10 @@ def kernels(results):
     made = []
     every = results.suite("kernels")
     cases = [c for c in every if c.quotable]
-    name = lambda c: ", ".join(str(c[key]) for key in ("code", "precision", "target") if c[key])
+
+    def name(c):
+        return ", ".join(str(c[key]) for key in ("code", "precision", "target") if c[key])
+
     for kernel in dict.fromkeys(
         c["kernel"] for c in sorted(every, key=lambda c: kernel_order(c["kernel"]))
     ):

@@ -1,9 +1,7 @@
 """The page of a results file: the summary first, then what each suite found."""
 
-from . import accuracy
+from . import accuracy, implicit, limits
 from . import baseline as comparison
-from . import implicit
-from . import limits
 from . import results_figures as figures
 from . import results_tables as tables
 from .page import Mark, Page, Section, Tile, number

@@ -56,7 +56,7 @@ def of_cases(cases, name, title, command):
                 if quantity and c.quotable
                 else [None, ""]
             )
-        rows.append(row + [mark(c.status), Code(c.command)])
+        rows.append([*row, mark(c.status), Code(c.command)])
     return [
         Table(
             name,
@@ -125,7 +125,10 @@ def worst_scaling(results):
 
 
 def size_growth(results):
-    """(cost per particle of many over that of few, who) where it grows most, from interleaved runs."""
+    """(cost per particle of many over that of few, who, case) where it grows most.
+
+    From interleaved runs.
+    """
     rows = [
         (c.value("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c)
         for c in results.suite("scaling")
@@ -155,7 +158,10 @@ def worst_float(results):
 
 
 def busiest(results):
-    """(load average, processors) of the timing session that began under the highest load, if others were using the machine."""
+    """(load average, processors) of the timing session that began under the highest load.
+
+    None unless others were using the machine.
+    """
     loads = [
         (float(match[0]), int(s.get("processors", 1)))
         for s in results.sessions
@@ -217,14 +223,15 @@ def changes(changes, broken):
     ] + rows
     moved = [row for row in rows if str(row[8]) not in ("same", "drowned")]
     made = [Table("baseline_moved", "What moved", columns, moved, open=True)] if moved else []
-    return made + [
+    return [
+        *made,
         Table(
             "baseline",
             "Every comparison",
             columns,
             rows,
             "drowned: one of the two is too noisy to quote. ± : three standard errors of both medians, for times with the change of the fixed loop around the case.",
-        )
+        ),
     ]
 
 

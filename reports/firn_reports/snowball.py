@@ -97,7 +97,7 @@ def _box(image, radius, axis):
     padding[axis] = (radius + 1, radius)
     total = np.cumsum(np.pad(image, padding, mode="edge"), axis=axis)
     high = np.take(total, range(2 * radius + 1, n + 2 * radius + 1), axis=axis)
-    low = np.take(total, range(0, n), axis=axis)
+    low = np.take(total, range(n), axis=axis)
     return (high - low) / (2 * radius + 1)
 
 
@@ -252,7 +252,10 @@ def downsample(image, factor):
 
 
 def with_volumes(frames):
-    """Before the first step a volume of 0 says "not known yet": such frames are drawn with a later one's."""
+    """The frames, each with volumes: a frame before the first step gets those of a later one.
+
+    A volume of 0 says "not known yet".
+    """
     known = next((f.volume for f in frames if np.median(f.volume) > 0), None)
     return [
         replace(f, volume=known)

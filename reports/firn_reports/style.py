@@ -1,13 +1,14 @@
 """One look for every figure: small panels, thin lines, colours that follow the page's theme."""
 
 import io
+import itertools
 import re
 
 import matplotlib
 
 matplotlib.use("svg")
-from matplotlib import pyplot as plt  # noqa: E402
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter  # noqa: E402
+from matplotlib import pyplot as plt
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 # Every colour that a figure may use. The SVG text gets `var(--name, #hex)` in
 # place of the hex value, so the page's light and dark themes recolour it.
@@ -104,23 +105,22 @@ def legend(axes, **options):
         )
 
 
-_serial = 0
+# Tells the ids of the figures of one page apart.
+_serials = itertools.count(1)
 
 
 def to_svg(figure):
     """The figure as an <svg> element for the page; closes the figure."""
-    global _serial
-    _serial += 1
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     plt.close(figure)
-    return inline_svg(buffer.getvalue(), f"f{_serial}-")
+    return inline_svg(buffer.getvalue(), f"f{next(_serials)}-")
 
 
 def inline_svg(text, prefix):
     """Strips the XML prologue, makes ids unique on the page, and hands colours to CSS."""
     svg = text[text.index("<svg") :]
-    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.S)
+    svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r'\bid="([^"]+)"', lambda m: f'id="{prefix}{m[1]}"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", lambda m: f"url(#{prefix}{m[1]})", svg)
     svg = re.sub(r'xlink:href="#([^"]+)"', lambda m: f'href="#{prefix}{m[1]}"', svg)

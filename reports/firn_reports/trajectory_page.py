@@ -49,7 +49,9 @@ class Laws:
 def series(trajectory, names, ylabel, title, caption="", labels=None, log=False, flight=None):
     figure, axes = panel()
     t = trajectory.diagnostics["time"]
-    for label, name in zip(labels or [n if isinstance(n, str) else None for n in names], names):
+    for label, name in zip(
+        labels or [n if isinstance(n, str) else None for n in names], names, strict=True
+    ):
         values = trajectory.diagnostics[name] if isinstance(name, str) else name
         axes.plot(t, np.maximum(values, 1e-18) if log else values, label=label)
     if flight is not None and flight.any() and not flight.all():
@@ -77,7 +79,7 @@ def chosen_frames(trajectory, laws):
 def build(trajectory, checks, command=""):
     first = trajectory.frame(0)
     laws = Laws(trajectory, first)
-    d, facts = trajectory.diagnostics, trajectory.facts
+    facts = trajectory.facts
     frames = [trajectory.frame(i) for i in chosen_frames(trajectory, laws)]
     png = snowball.picture(trajectory.scene, frames)
     run = run_command(trajectory)
@@ -289,7 +291,7 @@ def diagnostics_table(trajectory, run, most=400):
     columns, values = [], []
     for name, array in d.items():
         parts = array.T if array.ndim == 2 else [array]
-        for suffix, part in zip(AXES if array.ndim == 2 else [""], parts):
+        for suffix, part in zip(AXES if array.ndim == 2 else [""], parts, strict=True):
             columns.append(f"{name}{'_' if suffix else ''}{suffix} [{trajectory.units[name]}]")
             values.append(part[rows])
     return Table(

@@ -113,11 +113,8 @@ def particle_collisions(scene, s, p, i, lesson):
 def positions(scene, s, p, i, lesson):
     x = s.x_p[p] + lesson.record.dt * s.v_p[p]
     period = scene.period_nodes * scene.h
-    return {
-        "x_p": np.where(
-            period > 0, scene.origin + (x - scene.origin) % np.where(period > 0, period, 1), x
-        )
-    }
+    wrapped = scene.origin + (x - scene.origin) % np.where(period > 0, period, 1)
+    return {"x_p": np.where(period > 0, wrapped, x)}
 
 
 def code(stage):

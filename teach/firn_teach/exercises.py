@@ -1,8 +1,10 @@
 """Planted bugs, and parameters to play with. What the answers measure is run by measured.py."""
 
+import itertools
+
 from . import STAGES
 
-# Mutant -> what the learner is asked and told. Mistake, origin and stage come from the mutant itself.
+# Mutant -> what the learner is asked and told. Mistake, origin and stage come from the mutant.
 BUGS = {
     "gravity_divided_by_mass": (
         "Which stage is wrong? How does the error depend on the mass of the node?",
@@ -200,7 +202,9 @@ def parameters(results):
     for task in PARAMETERS:
         rows = [
             [value] + [get(result) for _, get in task["columns"]]
-            for value, result in zip(task["values"], results)
+            for value, result in zip(
+                task["values"], itertools.islice(results, len(task["values"])), strict=True
+            )
         ]
         tasks.append(
             {

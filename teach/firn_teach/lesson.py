@@ -26,7 +26,10 @@ UNITS = {
 
 
 class Record:
-    """One step. `at(stage)` has every field as it stands after that stage; stage 0 is before the step."""
+    """One step: `at(stage)` has every field as it stands after that stage.
+
+    Stage 0 is before the step.
+    """
 
     def __init__(self, data):
         self.step, self.time, self.dt, self.dt_bound = (

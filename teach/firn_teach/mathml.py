@@ -59,12 +59,11 @@ def formula(tex, display=False):
     text = re.sub(r"&#x([0-9A-Fa-f]+);", lambda m: chr(int(m[1], 16)), text)
     text = re.sub(r"<mi>([\U0001D400-\U0001D433])</mi>", _bold, text)
     text = re.sub(r'<mi mathvariant="bold">(.)</mi>', _bold, text)
-    text = re.sub(
+    return re.sub(
         r"<(m[on])>([<&>])</\1>",
         lambda m: f"<{m[1]}>{ {'<': '&lt;', '&': '&amp;', '>': '&gt;'}[m[2]] }</{m[1]}>",
         text,
     )
-    return text
 
 
 def render(text):
@@ -75,6 +74,6 @@ def render(text):
             f'<div class="equation" tabindex="0" role="region" aria-label="equation">{formula(m[1], True)}</div>'
         ),
         text,
-        flags=re.S,
+        flags=re.DOTALL,
     )
-    return re.sub(r"\$(.+?)\$", lambda m: formula(m[1]), text, flags=re.S)
+    return re.sub(r"\$(.+?)\$", lambda m: formula(m[1]), text, flags=re.DOTALL)

@@ -9,7 +9,10 @@ from pathlib import Path
 
 
 def run(command, program):
-    """What a shell command that ends in a `firn … --json` prints, parsed; its exit status under "exit"."""
+    """What a shell command that ends in a `firn … --json` prints, parsed.
+
+    Its exit status stands under "exit". Raises RuntimeError if it printed no JSON.
+    """
     with tempfile.TemporaryDirectory(prefix="firn-teach-") as folder:
         environment = os.environ | {"PATH": f"{Path(program).parent}:{os.environ.get('PATH', '')}"}
         done = subprocess.run(
@@ -17,6 +20,7 @@ def run(command, program):
             cwd=folder,
             env=environment,
             capture_output=True,
+            check=False,
             text=True,
             timeout=120,
         )

@@ -1,11 +1,13 @@
 """Which page has what, and writing them: each is one HTML file that needs nothing else."""
 
+import itertools
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
 import jinja2
 import numpy as np
+
 from firn_reports import page as reports
 
 from . import (
@@ -13,11 +15,13 @@ from . import (
     by_hand,
     exercises,
     interactive,
-    lesson as lesson_file,
     mathml,
     measured,
     pictures,
     source,
+)
+from . import (
+    lesson as lesson_file,
 )
 
 STAGE_FILES = [f"{n:02d}_{name}.html" for n, name in enumerate(STAGES, 1)]
@@ -72,7 +76,7 @@ def chapters():
         pages.append(chapter(f"{n:02d}.html", name))
         pages[-1].stage = n
     pages += [chapter(f"{name}.html", f"{name}.html") for name in EXTRAS]
-    for a, b in zip(pages, pages[1:]):
+    for a, b in itertools.pairwise(pages):
         a.next, b.previous = (b.name, b.short), (a.name, a.short)
     pages[0].previous = ("index.html", "Overview")
     return pages
@@ -81,7 +85,7 @@ def chapters():
 def components(value):
     value = np.atleast_1d(value)
     if value.shape == (3,):
-        return list(zip("xyz", value))
+        return list(zip("xyz", value, strict=True))
     if value.shape == (3, 3):
         return [(f"{r + 1}{c + 1}", value[r, c]) for r in range(3) for c in range(3)]
     return [("", value[0])]
@@ -106,7 +110,7 @@ def number_rows(lesson, stage, of_node):
                 "units": lesson_file.UNITS[name],
                 "components": [
                     (c, "–" if b is None else repr(float(b)), repr(float(a)))
-                    for (c, a), (_, b) in zip(after, before)
+                    for (c, a), (_, b) in zip(after, before, strict=True)
                 ],
             }
         )
@@ -130,7 +134,10 @@ LABELS = {"v_i_star": "v_i*", "v_i_new": "v_i at n+1"}
 
 
 def read_rows(lesson, stage):
-    """Inputs as they stand before the stage, and the pair's own weight: (owner, label, units, components)."""
+    """Inputs as they stand before the stage, and the pair's own weight.
+
+    Rows (owner, label, units, components).
+    """
     record, rows = lesson.record_of(stage), []
     own_nodes = stage != 2  # the chosen node belongs to the step shown on the other pages
     for of_node, names in enumerate(READS[stage]):
@@ -150,7 +157,9 @@ def read_rows(lesson, stage):
     if pair and stage in (1, 3, 7, 8):
         rows.append(("both", "w_ip", "1", [("", repr(pair["w_ip"]))]))
     if pair and stage in (3, 7):
-        rows.append(("both", "∇w_ip", "1/m", list(zip("xyz", map(repr, pair["grad_w_ip"])))))
+        rows.append(
+            ("both", "∇w_ip", "1/m", list(zip("xyz", map(repr, pair["grad_w_ip"]), strict=True)))
+        )
     return rows
 
 
@@ -297,21 +306,20 @@ def jacobi(F):
 
 
 def implicit_sections(lesson):
+    def energy(t, which):
+        if t[f"{which}_error"]:
+            return "failed"
+        return sum(float(t[which][k]) for k in ("kinetic_energy", "elastic_energy"))
+
     rows = []
     for t in lesson.data["implicit_trials"]:
-
-        def energy(which):
-            if t[f"{which}_error"]:
-                return "failed"
-            return sum(float(t[which][k]) for k in ("kinetic_energy", "elastic_energy"))
-
         rows.append(
             [
                 int(t["multiple"]),
                 t["dt"],
                 t["steps"],
-                energy("explicit"),
-                energy("semi_implicit"),
+                energy(t, "explicit"),
+                energy(t, "semi_implicit"),
                 t["iterations"],
                 float(t["residual"]),
                 "yes" if t["indefinite"] else "no",
@@ -372,12 +380,13 @@ def implicit_sections(lesson):
         "minres.cpp",
         "constitutive.cpp",
     )
-    return sections + [
+    return [
+        *sections,
         Section(
             "source",
             "The reference's source",
             sources=[source.File(lesson, f"reference/{name}") for name in files],
-        )
+        ),
     ]
 
 
@@ -487,7 +496,7 @@ def exercise_values(lesson, program):
     bugs = exercises.bugs(lesson)
     commands = [bug["command"] + " --json" for bug in bugs] + exercises.parameter_commands()
     results = measured.run_all(commands, program)
-    for bug, result in zip(bugs, results):
+    for bug, result in zip(bugs, results[: len(bugs)], strict=True):
         bug["message"] = (result.get("first_divergence") or {}).get("message", "nothing")
     return {"bugs": bugs, "parameters": exercises.parameters(results[len(bugs) :])}
 

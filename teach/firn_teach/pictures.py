@@ -5,6 +5,7 @@ a ring marks the chosen particle, a square the chosen node.
 """
 
 import numpy as np
+
 from firn_reports.page import Figure
 from firn_reports.style import BAD, GRID, INK, MUTED, SERIES, legend, log_axis, panel, to_svg
 
@@ -122,7 +123,10 @@ class View:
         bar.outline.set_linewidth(0.5)
 
     def arrows(self, axes, at, vectors, color, label="", scale=None, width=0.004):
-        """Arrows in the x–z plane, the longest 1.5 cells long unless `scale` says else; returns the scale."""
+        """Arrows in the x–z plane; returns their scale.
+
+        The longest is 1.5 cells long unless `scale` says else.
+        """
         longest = np.max(np.hypot(vectors[:, 0], vectors[:, 2]), initial=0)
         scale = scale or (longest / (1.5 * self.h) if longest > 0 else 1)
         axes.quiver(
@@ -424,7 +428,8 @@ def deformation(v):
                 linewidth=0.9,
                 label=f"limits of {material['name']}",
             )
-    # The box reaches far below; no particle can be there, since the smallest value is not above the largest.
+    # The box reaches far below, where no particle can be: the smallest value is not above the
+    # largest.
     values = np.concatenate([before[:, 0], after[:, 0]])
     margin = 0.15 * (values.max() - values.min()) + 1e-6
     axes.set_ylim(values.min() - margin, values.max() + margin)

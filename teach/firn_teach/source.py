@@ -19,7 +19,7 @@ def tokens(comment, directive, words):
     keyword = r"\b(?:" + "|".join(words.split()) + r")\b"
     return re.compile(
         rf'(?P<comment>{comment}[^\n]*)|(?P<string>"(?:\\.|[^"\\\n])*")|(?P<directive>{directive})|(?P<keyword>{keyword})|(?P<number>\b\d[\w.]*(?:e[+-]\d+)?)',
-        re.M,
+        re.MULTILINE,
     )
 
 

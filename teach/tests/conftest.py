@@ -21,6 +21,7 @@ def firn(*words, folder, **environment):
         [PROGRAM, *map(str, words)],
         cwd=folder,
         capture_output=True,
+        check=False,
         text=True,
         timeout=300,
         env=os.environ | environment,

@@ -5,9 +5,10 @@ import subprocess
 import time
 
 import pytest
-from conftest import BUILD, ROOT, WEB_MODULE, firn
 
 from firn_teach import pages
+
+from conftest import BUILD, ROOT, WEB_MODULE, firn
 
 NAMES = ["index.html", *pages.STAGE_FILES, *(f"{name}.html" for name in pages.EXTRAS)]
 needs_module = pytest.mark.skipif(not WEB_MODULE.exists(), reason="built without Emscripten")
@@ -36,7 +37,7 @@ def wait(browser, script, seconds=20):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_page(browser, lesson, name):
-    """Nothing wider than the screen, anchors and links that lead somewhere, pictures, nothing from the network."""
+    """Nothing wider than the screen, no dead anchor or link, pictures, nothing from the network."""
     for width in (400, 1400):
         show(browser, lesson, name, width)
         browser.execute_script("document.querySelectorAll('details').forEach(d => d.open = true)")
@@ -84,7 +85,10 @@ def test_page(browser, lesson, name):
 
 def luminance(colour):
     values = [int(float(v)) for v in colour[colour.index("(") + 1 :].rstrip(")").split(",")[:3]]
-    return sum(weight * (v / 255) ** 2.2 for weight, v in zip((0.2126, 0.7152, 0.0722), values))
+    return sum(
+        weight * (v / 255) ** 2.2
+        for weight, v in zip((0.2126, 0.7152, 0.0722), values, strict=True)
+    )
 
 
 @pytest.mark.parametrize("dark", [False, True])
@@ -164,6 +168,7 @@ def test_webassembly_computes_the_bits_of_the_native_solver(words):
     node = shutil.which("node") or shutil.which("nodejs")
     done = subprocess.run(
         [node, ROOT / "web/hash.js", WEB_MODULE, *map(str, words)],
+        check=False,
         capture_output=True,
         text=True,
         timeout=120,
@@ -181,7 +186,7 @@ def test_the_page_computes_the_bits_of_the_native_solver(browser, lesson):
 
 
 def test_the_page_s_scene_is_the_built_in_one(tmp_path):
-    """web/session.cpp builds tiny_impact by hand; its particles after ten steps are those of `firn run`."""
+    """web/session.cpp builds tiny_impact by hand: ten steps leave the program's particles."""
     done = firn(
         "run",
         "tiny_impact",
@@ -244,7 +249,8 @@ def test_stepping_changes_the_state_and_conserves_mass_and_momentum(browser, les
         # Each sum over n particles or nodes is off by at most n units of roundoff of what it sums.
         assert invariant(browser, "left-over") < stage * 600 * 2**-52
         assert abs(invariant(browser, "grid-mass") - mass) < 600 * 2**-52 * mass
-    assert seen == {str(n) for n in range(1, 11)} and state_hash(browser) != start
+    assert seen == {str(n) for n in range(1, 11)}
+    assert state_hash(browser) != start
     for _ in range(100):
         browser.execute_script("document.getElementById('step').click()")
     assert invariant(browser, "mass") == mass
@@ -252,7 +258,7 @@ def test_stepping_changes_the_state_and_conserves_mass_and_momentum(browser, les
     assert invariant(browser, "elastic") > 0
     after = [invariant(browser, f"momentum-{c}") for c in "xyz"]
     if preset == "1":  # nothing outside acts: momentum is what it was, to twelve digits shown
-        assert all(abs(a - b) < 1e-10 * mass for a, b in zip(after, momentum))
+        assert all(abs(a - b) < 1e-10 * mass for a, b in zip(after, momentum, strict=True))
     else:  # the ground has stopped most of it
         assert after[2] > 0.5 * momentum[2]
 
@@ -267,10 +273,10 @@ def test_keyboard_steps_and_chooses(browser, lesson):
         "return document.getElementById('status').textContent"
     )
     body.send_keys("s")
-    assert (
-        "Step 1," in browser.execute_script("return document.getElementById('status').textContent")
-        and state_hash(browser) != start
+    assert "Step 1," in browser.execute_script(
+        "return document.getElementById('status').textContent"
     )
+    assert state_hash(browser) != start
     for canvas, key, table in (
         ("particles", "\ue013", "particle-numbers"),
         ("grid", "\ue014", "node-numbers"),
@@ -353,7 +359,8 @@ def test_a_step_that_fails_says_so(browser, lesson):
     message = browser.execute_script(
         "const f = document.getElementById('failure'); return f.hidden ? '' : f.textContent"
     )
-    assert "stage" in message and "last good state" in message
+    assert "stage" in message
+    assert "last good state" in message
     assert invariant(browser, "mass") > 0
 
 

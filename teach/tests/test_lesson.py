@@ -1,6 +1,7 @@
 """What the pages say, against what the program computes and what it was compiled from."""
 
 import html
+import itertools
 import json
 import re
 import shlex
@@ -10,10 +11,11 @@ from concurrent.futures import ThreadPoolExecutor
 import h5py
 import numpy as np
 import pytest
-from conftest import BUILD, ROOT, firn
 
 from firn_teach import STAGES, by_hand, exercises, mathml, pages
 from firn_teach import lesson as lesson_file
+
+from conftest import BUILD, ROOT, firn
 
 FILES = {"v_p": "velocity", "V_p0": "volume", "F_E": "F_E", "F_P": "F_P"}
 
@@ -82,6 +84,7 @@ def test_every_stage_shows_the_node_or_the_particle(lesson):
             ["v_p"],
             ["x_p"],
         ),
+        strict=True,
     ):
         assert {field for field, _ in numbers(lesson.page(name), "after")} == set(fields), name
 
@@ -91,7 +94,8 @@ def test_numpy_finds_the_same(lesson):
     rows = 0
     for stage in range(1, 11):
         for field, _, _, difference in by_hand.run(read, stage):
-            # Sums of some 500 terms, after cancellation: a hundred units of roundoff is generous, a wrong formula is not.
+            # Sums of some 500 terms, after cancellation: a hundred units of roundoff is generous,
+            # a wrong formula is not.
             assert difference < 100 * 2.0**-52, (stage, field)
             rows += 1
     assert rows == 12
@@ -99,14 +103,15 @@ def test_numpy_finds_the_same(lesson):
 
 def test_the_lesson_has_something_to_show(lesson):
     events = lesson.data["record"]["events"]
-    assert events["nodes_in_contact"] > 0 and events["particles_yielding"] > 0
+    assert events["nodes_in_contact"] > 0
+    assert events["particles_yielding"] > 0
     for stage in (5, 7):
         page = lesson.page(pages.STAGE_FILES[stage - 1])
         assert numbers(page, "before") != numbers(page, "after"), stage
 
 
 def test_the_optimized_solver_is_checked_in_every_stage(lesson):
-    for stage, name in enumerate(pages.STAGE_FILES, 1):
+    for name in pages.STAGE_FILES:
         found = re.findall(r"data-in-bounds>([^<]*)<", lesson.page(name))
         assert len(found) >= 2, name  # double and float
         assert all(float(value) <= 1 for value in found), (name, found)
@@ -121,7 +126,7 @@ def shown_sources(lesson):
         for path, text in re.findall(
             r'<pre class="source" tabindex="0" data-path="([^"]+)"><code>(.*?)</code></pre>',
             page.read_text(encoding="utf-8"),
-            re.S,
+            re.DOTALL,
         ):
             sources[path] = html.unescape(re.sub(r"</?span[^>]*>", "", text))
     return sources
@@ -137,7 +142,7 @@ def test_source_shown_is_the_file(lesson):
 
 
 def compile_again(command, text, folder):
-    """The page's text through the build's own command; the object's bytes beside those of the build."""
+    """The page's text through the build's own command: its object and the build's, as bytes."""
     words = shlex.split(command["command"])
     words = words[1:] if words[0].endswith("ccache") else words
     source = folder / command["file"].split("/")[-1]
@@ -163,7 +168,7 @@ def test_source_shown_compiles_to_the_very_object_that_was_linked(lesson, tmp_pa
             lambda item: compile_again(commands[str(ROOT / item[0])], item[1], tmp_path),
             steps.items(),
         )
-        for path, (again, built) in zip(steps, pairs):
+        for path, (again, built) in zip(steps, pairs, strict=True):
             assert again == built, path
     assert len(steps) == 10
 
@@ -191,16 +196,18 @@ def test_every_exercise_is_found_in_its_stage(lesson):
         lesson.page("exercises.html"),
     )
     assert len(answers) == len(lesson.data["exercises"]) == 12
-    for (stage, message), exercise in zip(answers, lesson.data["exercises"]):
-        assert stage == exercise["stage"] and "allowed difference" in message, exercise
+    for (stage, message), exercise in zip(answers, lesson.data["exercises"], strict=True):
+        assert stage == exercise["stage"], exercise
+        assert "allowed difference" in message, exercise
     assert len({stage for stage, _ in answers}) >= 6
 
 
 def test_an_exercise_does_not_give_itself_away(lesson, tmp_path):
     done = firn(*shlex.split(exercises.check_command(2, "tiny_impact"))[1:], folder=tmp_path)
     assert done.returncode == 1
-    assert "exercise:2" in done.stdout and lesson.data["exercises"][1]["mutant"] not in done.stdout
-    visible = re.sub(r"<details>.*?</details>", "", lesson.page("exercises.html"), flags=re.S)
+    assert "exercise:2" in done.stdout
+    assert lesson.data["exercises"][1]["mutant"] not in done.stdout
+    visible = re.sub(r"<details>.*?</details>", "", lesson.page("exercises.html"), flags=re.DOTALL)
     assert not any(exercise["mutant"] in visible for exercise in lesson.data["exercises"])
 
 
@@ -209,18 +216,18 @@ def test_commands_of_parameters_show_what_the_answers_say(lesson):
     tables = [
         [
             re.findall(r"<td[^>]*>([^<]*)<", row)
-            for row in re.findall(r"<tr>(<td.*?)</tr>", body, re.S)
+            for row in re.findall(r"<tr>(<td.*?)</tr>", body, re.DOTALL)
         ]
-        for body in re.findall(r"<tbody>(.*?)</tbody>", page, re.S)
+        for body in re.findall(r"<tbody>(.*?)</tbody>", page, re.DOTALL)
     ]
-    by_id = {task["id"]: rows for task, rows in zip(exercises.PARAMETERS, tables)}
+    by_id = {task["id"]: rows for task, rows in zip(exercises.PARAMETERS, tables, strict=True)}
     assert len(tables) == len(exercises.PARAMETERS) == 6
 
     def column(task, k):
         return [row[k] for row in by_id[task]]
 
     def falls(values):
-        return all(float(a) > float(b) for a, b in zip(values, values[1:]))
+        return all(float(a) > float(b) for a, b in itertools.pairwise(values))
 
     speeds = [float(s) for s in column("alpha", 1)]
     assert max(speeds[:3]) < 1 < speeds[3]  # one piece, then bursts
@@ -228,19 +235,21 @@ def test_commands_of_parameters_show_what_the_answers_say(lesson):
     assert falls(column("theta-c", 1)[::-1])  # more is given back
     assert falls(column("theta-s", 2)[::-1])  # more elastic energy is held
     assert column("dt", 1) == ["completed"] * 3 + ["failed"]
-    assert column("beta", 1) == ["failed"] + ["completed"] * 3 and falls(column("beta", 2))
+    assert column("beta", 1) == ["failed"] + ["completed"] * 3
+    assert falls(column("beta", 2))
 
 
 def test_unknown_exercise(tmp_path):
     done = firn("check", "tiny_impact", "--solver", "exercise:13", folder=tmp_path)
-    assert done.returncode == 2 and "exercise:1 .. exercise:12" in done.stderr
+    assert done.returncode == 2
+    assert "exercise:1 .. exercise:12" in done.stderr
 
 
 # --- options --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    "words, message",
+    ("words", "message"),
     [
         (["--particle", "9999"], "--particle: id: got 9999"),
         (["--node", "1,2"], "--node: i,j,k: got 1,2"),
@@ -251,12 +260,14 @@ def test_unknown_exercise(tmp_path):
 )
 def test_bad_input(words, message, tmp_path):
     done = firn("teach", *words, "-o", tmp_path / "out", folder=tmp_path)
-    assert done.returncode == 2 and message in done.stderr and done.stderr.count("\n") == 1
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert done.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    "scene, words",
+    ("scene", "words"),
     [
         ("two_particles", []),
         ("implicit.toml", ["--step", "3", "--particle", "7"]),
@@ -286,7 +297,8 @@ def test_other_scenes(scene, words, tmp_path, monkeypatch):
 
 def test_verify_finds_an_exercise_too(tmp_path):
     done = firn("verify", "--solver", "exercise:9", "--fail-fast", folder=tmp_path)
-    assert done.returncode == 1 and "exercise:9" in done.stdout
+    assert done.returncode == 1
+    assert "exercise:9" in done.stdout
 
 
 def test_mathml():

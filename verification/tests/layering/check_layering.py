@@ -1,4 +1,3 @@
-#!/usr/bin/env python3
 """Rejects an #include that crosses the layout's arrows (docs/architecture.md).
 
     firn <- reference        firn <- optimized        these two never see each other
@@ -82,9 +81,11 @@ ALLOWED = {
 
 CPP = {".c", ".cc", ".cpp", ".h", ".hpp", ".inl", ".in"}
 # Also the way in which SIMD code includes itself once per instruction set.
-INCLUDE = re.compile(r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^">]+)[">]', re.M)
+INCLUDE = re.compile(
+    r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^">]+)[">]', re.MULTILINE
+)
 # A report that called into a solver would no longer be a reader of files.
-PYTHON_IMPORT = re.compile(r"^\s*(?:import|from)\s+(ctypes|cffi|subprocess)\b", re.M)
+PYTHON_IMPORT = re.compile(r"^\s*(?:import|from)\s+(ctypes|cffi|subprocess)\b", re.MULTILINE)
 
 
 def rule_of(path: str) -> str:
