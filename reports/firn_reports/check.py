@@ -1,11 +1,8 @@
 """What `firn check --json` prints: the verdict, the fields that each stage wrote, properties."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 
-from . import InputError
+from . import InputError, json_file
 from .page import Figure, Mark, Section, Table, number
 from .style import BAD, SERIES, log_axis, panel, to_svg
 
@@ -13,10 +10,7 @@ KIND = {"VALID": "good", "INVALID": "bad"}
 
 
 def read(path):
-    try:
-        check = json.loads(Path(path).read_text(encoding="utf-8"))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
+    check = json_file.read(path)
     if not isinstance(check, dict) or check.get("verdict") not in KIND or "fields" not in check:
         raise InputError(
             f"{path}: no `verdict` and `fields`: allowed: what `firn check --json` prints"

@@ -5,6 +5,7 @@ import csv
 import io
 import re
 from dataclasses import dataclass, field
+from importlib import resources
 from pathlib import Path
 
 import jinja2
@@ -126,26 +127,36 @@ def number(value, digits=4):
     return re.sub(r"e([+-])0*(\d)", lambda m: "e" + m[1].replace("+", "") + m[2], text)
 
 
-def write(page, directory):
-    """DIR/index.html, one file; the CSV of every table also stands beside it."""
-    directory = Path(directory)
-    directory.mkdir(parents=True, exist_ok=True)
-    page.sections = [section for section in page.sections if not section.empty()]
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("firn_reports"),
+def environment(package):
+    """Jinja2 for the templates of a package, with `number` and the kinds of values of a table."""
+    result = jinja2.Environment(
+        loader=jinja2.PackageLoader(package),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["number"] = number
-    environment.tests["mark"] = lambda value: isinstance(value, Mark)
-    environment.tests["code"] = lambda value: isinstance(value, Code)
-    environment.tests["numeric"] = lambda value: (
+    result.filters["number"] = number
+    result.tests["mark"] = lambda value: isinstance(value, Mark)
+    result.tests["code"] = lambda value: isinstance(value, Code)
+    result.tests["numeric"] = lambda value: (
         isinstance(value, (int, float)) and not isinstance(value, bool)
     )
-    css = environment.loader.get_source(environment, "page.css")[0]
-    html = environment.get_template("page.html.jinja").render(page=page, css=css)
+    return result
+
+
+def style_sheet():
+    """The CSS that every page has."""
+    return resources.files("firn_reports").joinpath("templates/page.css").read_text("utf-8")
+
+
+def write(page, directory):
+    """DIR/index.html, one file; the CSV of every table also stands beside it."""
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    page.sections = [section for section in page.sections if not section.empty()]
+    template = environment("firn_reports").get_template("page.html.jinja")
+    html = template.render(page=page, css=style_sheet())
     (directory / "index.html").write_text(html, encoding="utf-8")
     tables = [table for section in page.sections for table in section.tables]
     if tables:

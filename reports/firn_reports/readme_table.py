@@ -1,8 +1,6 @@
 """The summary of a results file as a Markdown table, for the README."""
 
-from . import accuracy, limits
-from . import results_figures as figures
-from . import results_tables as tables
+from . import accuracy, limits, results_figures as figures, results_tables as tables
 from .page import number
 
 

@@ -1,9 +1,13 @@
 """The page of a results file: the summary first, then what each suite found."""
 
-from . import accuracy, implicit, limits
-from . import baseline as comparison
-from . import results_figures as figures
-from . import results_tables as tables
+from . import (
+    accuracy,
+    baseline as comparison,
+    implicit,
+    limits,
+    results_figures as figures,
+    results_tables as tables,
+)
 from .page import Mark, Page, Section, Tile, number
 
 INTRO = {

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from . import check as checks_json
-from . import snowball
+from . import check as checks_json, snowball
 from .colliders import free_flight_reach
 from .page import Figure, Mark, Page, Section, Table, Tile, number
 from .style import MUTED, legend, log_axis, panel, to_svg

@@ -22,7 +22,3 @@ STAGES = [
     "particle_collisions",
     "positions",
 ]
-
-
-class InputError(Exception):
-    """Bad input: one line with what, where, the value and what is allowed (exit 2)."""

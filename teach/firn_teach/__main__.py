@@ -3,7 +3,9 @@
 import argparse
 import sys
 
-from . import InputError, lesson, pages
+from firn_reports import InputError
+
+from . import lesson, pages
 
 
 def main(arguments=None):

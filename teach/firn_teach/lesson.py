@@ -1,12 +1,12 @@
 """lesson.json as arrays: the state before the step, and each field as the stages wrote it."""
 
-import json
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 
-from . import STAGES, InputError
+from firn_reports import InputError, json_file
+
+from . import STAGES
 
 NODE_FIELDS = {"m_i", "v_i", "f_i", "v_i_star", "free_directions", "v_i_new"}
 UNITS = {
@@ -103,10 +103,7 @@ def array(values):
 
 
 def read(path):
-    try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-    except json.JSONDecodeError as error:
-        raise InputError(f"{path}: line {error.lineno}: not JSON: {error.msg}") from None
+    data = json_file.read(path)
     if (
         not isinstance(data, dict)
         or data.get("format") != "firn-lesson"

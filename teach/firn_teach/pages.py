@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
-import jinja2
 import numpy as np
 
 from firn_reports import page as reports
@@ -15,13 +14,11 @@ from . import (
     by_hand,
     exercises,
     interactive,
+    lesson as lesson_file,
     mathml,
     measured,
     pictures,
     source,
-)
-from . import (
-    lesson as lesson_file,
 )
 
 STAGE_FILES = [f"{n:02d}_{name}.html" for n, name in enumerate(STAGES, 1)]
@@ -45,14 +42,10 @@ class Chapter:
 
 
 @dataclass
-class Section:
-    id: str
-    title: str
-    intro: str = ""
-    figures: list = field(default_factory=list)
-    tables: list = field(default_factory=list)
-    sources: list = field(default_factory=list)
-    command: str = ""
+class Section(reports.Section):
+    """A section of a report that may also show source files."""
+
+    sources: list[source.File] = field(default_factory=list)
 
 
 def chapter(file, page):
@@ -502,23 +495,11 @@ def exercise_values(lesson, program):
 
 
 def environment():
-    env = jinja2.Environment(
-        loader=jinja2.PackageLoader("firn_teach"),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
-    env.filters["number"] = reports.number
-    env.tests["mark"] = lambda value: isinstance(value, reports.Mark)
-    env.tests["numeric"] = lambda value: (
-        isinstance(value, (int, float)) and not isinstance(value, bool)
-    )
-    css = resources.files("firn_reports").joinpath("templates/page.css").read_text(encoding="utf-8")
-    env.globals["css"] = css + resources.files("firn_teach").joinpath(
-        "templates/lesson.css"
-    ).read_text(encoding="utf-8")
-    return env
+    """Jinja2 for the templates of a lesson, with the style sheet of all pages."""
+    result = reports.environment("firn_teach")
+    own = resources.files("firn_teach").joinpath("templates/lesson.css").read_text("utf-8")
+    result.globals["css"] = reports.style_sheet() + own
+    return result
 
 
 def write(lesson, directory, web_module=""):

@@ -12,8 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
-from firn_teach import STAGES, by_hand, exercises, mathml, pages
-from firn_teach import lesson as lesson_file
+from firn_teach import STAGES, by_hand, exercises, lesson as lesson_file, mathml, pages
 
 from conftest import BUILD, ROOT, firn
 

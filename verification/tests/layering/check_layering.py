@@ -1,4 +1,4 @@
-"""Rejects an #include that crosses the layout's arrows (docs/architecture.md).
+"""Rejects an #include or a Python import that crosses the layout's arrows (docs/architecture.md).
 
     firn <- reference        firn <- optimized        these two never see each other
     io reads and writes files and knows no solver
@@ -6,12 +6,15 @@
     unit suites of a solver's own parts
     solvers/builtin_solvers.cpp is the one place that names concrete solvers
     reports is Python and reads HDF5 and nothing else
+    teach sees the modules of reports that firn_reports names in __all__; reports never sees teach
 
 Usage: check_layering.py ROOT; prints one line per crossing and exits 1 if there is any.
 """
 
+import ast
 import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 FOLDERS = (
@@ -85,7 +88,9 @@ INCLUDE = re.compile(
     r'^\s*#\s*(?:include|define\s+HWY_TARGET_INCLUDE)\s*[<"]([^">]+)[">]', re.MULTILINE
 )
 # A report that called into a solver would no longer be a reader of files.
-PYTHON_IMPORT = re.compile(r"^\s*(?:import|from)\s+(ctypes|cffi|subprocess)\b", re.MULTILINE)
+NOT_IN_REPORTS = {"ctypes", "cffi", "subprocess"}
+# The project's own Python packages, and the folder that may import any module of each.
+PACKAGES = {"firn_reports": "reports", "firn_teach": "teach"}
 
 
 def rule_of(path: str) -> str:
@@ -94,7 +99,7 @@ def rule_of(path: str) -> str:
     return max(keys, key=len)
 
 
-def target_of(root: Path, file: Path, include: str):
+def target_of(root: Path, file: Path, include: str) -> str | None:
     """The project's own file that an include names, or None for anybody else's."""
     for candidate in (root / include, file.parent / include):
         if candidate.is_file():
@@ -112,25 +117,64 @@ def allowed(rule: str, target: str) -> bool:
     )
 
 
-def crossings(root: Path):
+def include_crossings(root: Path, file: Path) -> Iterator[str]:
+    """One text per #include of the file that its folder may not have."""
+    path = file.relative_to(root).as_posix()
+    text = file.read_text(encoding="utf-8")
+    for match in INCLUDE.finditer(text):
+        target = target_of(root, file, match[1])
+        if target and not allowed(rule_of(path), target):
+            line = text.count("\n", 0, match.start(1)) + 1
+            yield f"{path}:{line}: includes {target}, which {rule_of(path)} may not see"
+
+
+def imports_of(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """(line, module) of every absolute import; the last part of `from a import b` may be a name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, name.name) for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            yield from ((node.lineno, f"{node.module}.{name.name}") for name in node.names)
+
+
+def public_names(root: Path) -> set[str]:
+    """What firn_reports lists in __all__."""
+    init = root / "reports" / "firn_reports" / "__init__.py"
+    tree = ast.parse(init.read_text(encoding="utf-8")) if init.is_file() else ast.Module([], [])
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+            return set(ast.literal_eval(node.value))
+    return set()
+
+
+def import_crossings(root: Path, file: Path) -> Iterator[str]:
+    """One text per Python import of the file that its folder may not have."""
+    path = file.relative_to(root).as_posix()
+    folder = path.split("/")[0]
+    for line, module in imports_of(ast.parse(file.read_text(encoding="utf-8"), path)):
+        package, name = [*module.split("."), ""][:2]
+        if package in NOT_IN_REPORTS and path.startswith("reports/firn_reports/"):
+            yield f"{path}:{line}: imports {package}; reports read HDF5 and nothing else"
+        if PACKAGES.get(package, folder) == folder:
+            continue
+        if folder == "teach" and name in public_names(root):
+            continue
+        public = ", but for what firn_reports has in __all__" if folder == "teach" else ""
+        yield f"{path}:{line}: imports {module}, which {folder} may not see{public}"
+
+
+def crossings(root: Path) -> Iterator[str]:
+    """One text per crossing in the tree below `root`, and one if there is nothing to check."""
     root = root.resolve()
     seen = 0
     for folder in FOLDERS:
         for file in sorted((root / folder).rglob("*")) if (root / folder).is_dir() else []:
-            path = file.relative_to(root).as_posix()
-            if file.suffix == ".py" and path.startswith("reports/firn_reports/"):
+            if file.suffix == ".py":
                 seen += 1
-                for match in PYTHON_IMPORT.finditer(file.read_text()):
-                    yield f"{path}: imports {match[1]}; reports read HDF5 and nothing else"
-            if file.suffix not in CPP or not file.is_file():
-                continue
-            seen += 1
-            text = file.read_text()
-            for match in INCLUDE.finditer(text):
-                target = target_of(root, file, match[1])
-                if target and not allowed(rule_of(path), target):
-                    line = text.count("\n", 0, match.start(1)) + 1
-                    yield f"{path}:{line}: includes {target}, which {rule_of(path)} may not see"
+                yield from import_crossings(root, file)
+            elif file.suffix in CPP and file.is_file():
+                seen += 1
+                yield from include_crossings(root, file)
     if seen == 0:
         yield f"{root}: no source file found, nothing was checked"
 
