@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 
-def arguments():
+def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     parser.add_argument("--clang-tidy", required=True)
     parser.add_argument("--build", type=Path, required=True)
@@ -24,7 +24,7 @@ def arguments():
     return parser.parse_args()
 
 
-def own_headers(file: Path, source: Path, seen: set):
+def own_headers(file: Path, source: Path, seen: set[Path]) -> set[Path]:
     """The project's headers that the file includes, directly or not."""
     for name in re.findall(r'^\s*#\s*include\s*"([^"]+)"', file.read_text(), re.MULTILINE):
         for header in (source / name, file.parent / name):
@@ -59,7 +59,7 @@ def main() -> int:
     stamps = a.build / "tidy"
     stamps.mkdir(exist_ok=True)
 
-    def look(file: Path):
+    def look(file: Path) -> tuple[Path, int, str]:
         stamp = stamps / file.relative_to(a.source).as_posix().replace("/", "__")
         key = fingerprint(file, a.source)
         if stamp.is_file() and stamp.read_text() == key:

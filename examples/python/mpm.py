@@ -9,10 +9,15 @@ The symbols are the paper's; arrays run over particles p or nodes i first. SI un
 
 import sys
 import tomllib
+from typing import Any
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
+Array = NDArray[np.float64]
+Scene = dict[str, Any]
+State = dict[str, Any]  # the arrays of the particles, by symbol
 ARRAYS = {
     "v": "velocity",
     "m": "mass",
@@ -24,7 +29,7 @@ ARRAYS = {
 }
 
 
-def read(path):
+def read(path: str) -> tuple[Scene, State, float]:
     with h5py.File(path) as file:
         scene = tomllib.loads(file["firn"].attrs["scene"])
         vtk = file["VTKHDF"]
@@ -38,7 +43,7 @@ def read(path):
     return scene, state, time
 
 
-def write(path, state, time):
+def write(path: str, state: State, time: float) -> None:
     n = len(state["x"])
     with h5py.File(path, "w") as file:
         vtk = file.create_group("VTKHDF")
@@ -56,7 +61,7 @@ def write(path, state, time):
         steps["PartOffsets"] = steps["PointOffsets"] = [0]
 
 
-def stencil(x, scene):
+def stencil(x: Array, scene: Scene) -> tuple[NDArray[np.int_], NDArray[np.int_], Array, Array]:
     """The nodes (i,j,k) that occur, for each particle the 64 it touches, w_ip and its gradient."""
     h = scene["grid"]["spacing"]
     X = (x - scene["grid"]["origin"]) / h
@@ -65,7 +70,7 @@ def stencil(x, scene):
     N = np.stack([t**3 / 6, (s / 2 - 1) * s**2 + 2 / 3, (t / 2 - 1) * t**2 + 2 / 3, s**3 / 6], 2)
     dN = np.stack([-(t**2) / 2, (1.5 * s - 2) * s, -(1.5 * t - 2) * t, s**2 / 2], 2) / h
 
-    def product(a, b, c):
+    def product(a: Array, b: Array, c: Array) -> Array:
         return np.einsum("pi,pj,pk->pijk", a[:, 0], b[:, 1], c[:, 2]).reshape(len(x), 64)
 
     w = product(N, N, N)
@@ -78,14 +83,14 @@ def stencil(x, scene):
     return node, at.reshape(len(x), 64), w, grad_w
 
 
-def scatter(at, values, nodes):
+def scatter(at: NDArray[np.int_], values: Array, nodes: int) -> Array:
     """Sums values (p, 64, ...) at the nodes."""
     total = np.zeros((nodes, *values.shape[2:]))
     np.add.at(total, at, values)
     return total
 
 
-def svd(F):
+def svd(F: Array) -> tuple[Array, Array, Array]:
     """F = U diag(sigma) V^T with rotations U and V; the last sigma has the sign of det F."""
     U, sigma, VT = np.linalg.svd(F)
     for matrix, column in (U, np.s_[:, :, 2]), (VT, np.s_[:, 2, :]):
@@ -95,7 +100,7 @@ def svd(F):
     return U, sigma, VT
 
 
-def rotation(omega, t):
+def rotation(omega: Array, t: float) -> Array:
     """Rodrigues' formula: turns by |omega| t about omega."""
     angle = np.linalg.norm(omega) * t
     if angle == 0:
@@ -104,7 +109,7 @@ def rotation(omega, t):
     return np.eye(3) - np.sin(angle) * K + 2 * np.sin(angle / 2) ** 2 * K @ K
 
 
-def distance(shape, X):
+def distance(shape: dict[str, Any], X: Array) -> tuple[Array, Array]:
     """Signed distance phi and outward normal n of a collider's shape."""
     if shape["type"] == "half-space":
         n = np.array(shape["normal"]) / np.linalg.norm(shape["normal"])
@@ -125,7 +130,7 @@ def distance(shape, X):
     sys.exit(f"mpm.py: collider of shape {shape['type']}, supported: half-space, sphere, box")
 
 
-def collide(scene, t, x, v):
+def collide(scene: Scene, t: float, x: Array, v: Array) -> Array:
     """Contact with every collider in turn (section 8): stick, or slide with Coulomb friction."""
     for c in scene.get("collider", []):
         R, center = rotation(c["angular_velocity"], t), c["center"] + t * np.array(c["velocity"])
@@ -145,11 +150,11 @@ def collide(scene, t, x, v):
     return v
 
 
-def step(scene, s, t):
+def step(scene: Scene, s: State, t: float) -> float:
     dt, alpha = scene["time"]["step"], scene["transfer"]["flip"]
     h, origin = scene["grid"]["spacing"], np.array(scene["grid"]["origin"])
 
-    def of_particle(key):
+    def of_particle(key: str) -> Array:
         return np.array([float(m[key]) for m in scene["material"]])[s["material"]]
 
     node, at, w, grad_w = stencil(s["x"], scene)
@@ -198,7 +203,7 @@ def step(scene, s, t):
     return t + dt
 
 
-def main(path_in, path_out, steps):
+def main(path_in: str, path_out: str, steps: str) -> None:
     scene, state, t = read(path_in)
     if scene["integrator"]["type"] != "explicit":
         sys.exit("mpm.py: semi-implicit scene, supported: explicit")

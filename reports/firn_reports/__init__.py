@@ -4,13 +4,13 @@ trajectory.py, results.py   what the files hold
 snowball.py                 a picture of the particles
 *_page.py                   which figures and tables a page has
 style.py, page.py           how they look
-json_file.py                what `firn check --json` prints, as a file
+json_file.py, kinds.py      reading JSON; names of types
 baseline.py                 what became faster or slower
 """
 
 # What firn_teach builds on; every other module serves the report alone. The test
 # layering.includes_follow_the_arrows reads this list.
-__all__ = ["InputError", "json_file", "page", "style"]
+__all__ = ["InputError", "json_file", "kinds", "page", "style"]
 
 
 class InputError(Exception):

@@ -21,7 +21,7 @@ from . import (
 from .trajectory import text_attribute
 
 
-def file_format(path):
+def file_format(path: str | Path) -> str:
     """The `format` attribute: of /firn in a trajectory, of the root in results."""
     try:
         with h5py.File(path) as file:
@@ -38,7 +38,7 @@ def file_format(path):
     raise InputError(f"{path}: no attribute `format`: allowed: firn-trajectory, firn-results")
 
 
-def parse(arguments):
+def parse(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "firn report", description="One self-contained HTML page from a trajectory or from results."
     )
@@ -77,7 +77,7 @@ def parse(arguments):
     return parser.parse_args(arguments)
 
 
-def report(options, command):
+def report(options: argparse.Namespace, command: str) -> int:
     kind = file_format(options.file)
     checks = [check.read(path) for path in options.check]
     if kind == "firn-trajectory":
@@ -91,7 +91,7 @@ def report(options, command):
     raise InputError(f"{options.file}: format: got {kind}, allowed: firn-trajectory, firn-results")
 
 
-def report_results(options, checks, command):
+def report_results(options: argparse.Namespace, checks: list[check.Check], command: str) -> int:
     """Exit status 1 if something became worse than the baseline."""
     new, old = results.read(options.file), None
     if options.readme_table:
@@ -110,7 +110,7 @@ def report_results(options, checks, command):
     return 1 if failed else 0
 
 
-def main(arguments=None):
+def main(arguments: list[str] | None = None) -> int:
     arguments = sys.argv[1:] if arguments is None else arguments
     options = parse(arguments)
     try:

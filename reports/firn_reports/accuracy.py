@@ -1,8 +1,13 @@
 """Run time against error: figures and tables of the suite `accuracy`."""
 
+import math
+from collections.abc import Callable, Sequence
+
 import numpy as np
+from matplotlib.axes import Axes
 
 from .page import Code, Figure, Table
+from .results import Case, Results
 from .results_figures import styles, who
 from .style import INK, MARKERS, MUTED, SERIES, legend, log_axis, panel, plain, to_svg
 
@@ -10,34 +15,34 @@ from .style import INK, MARKERS, MUTED, SERIES, legend, log_axis, panel, plain, 
 TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 
 
-def quoted(results):
+def quoted(results: Results) -> list[Case]:
     return [c for c in results.suite("accuracy") if c.quotable]
 
 
-def integration(case):
+def integration(case: Case) -> str:
     return str(case["integration"] or "explicit")
 
 
-def is_explicit(case):
+def is_explicit(case: Case) -> bool:
     return integration(case) == "explicit"
 
 
-def line_name(case):
+def line_name(case: Case) -> str:
     """What stays the same along a line over h."""
     text = f"{who(case)}, α {case['alpha_policy']}"
     return text if is_explicit(case) else f"{text}, {integration(case)}, CFL {plain(case['cfl'])}"
 
 
-def method(case):
+def method(case: Case) -> str:
     """Solver, precision and kind of integration, whatever β: what a user chooses between."""
     return who(case) if is_explicit(case) else f"{who(case)}, implicit"
 
 
-def command(problem):
+def command(problem: str) -> str:
     return f"firn bench 'accuracy/{problem}*'"
 
 
-def problems(cases):
+def problems(cases: Sequence[Case]) -> list[str]:
     return list(
         dict.fromkeys(
             c["problem"] for c in sorted(cases, key=lambda c: str(c["problem"]), reverse=True)
@@ -45,7 +50,7 @@ def problems(cases):
     )
 
 
-def figures(results):
+def figures(results: Results) -> list[Figure]:
     cases = quoted(results)
     made = []
     for problem in problems(cases):
@@ -58,10 +63,10 @@ def figures(results):
     return made
 
 
-def best_covered(cases, key):
+def best_covered(cases: Sequence[Case], key: str) -> list[Case]:
     """The cases of the one solver and precision that was asked for most values of `key`: one
     suffices to show the order of the method, the others lie upon it."""
-    groups = {}
+    groups: dict[tuple[str, str], list[Case]] = {}
     for c in cases:
         groups.setdefault((c["solver"], c["precision"]), []).append(c)
     if not groups:
@@ -72,13 +77,13 @@ def best_covered(cases, key):
     )
 
 
-def draw_lines(axes, cases, x):
+def draw_lines(axes: Axes, cases: Sequence[Case], x: str) -> None:
     for name, style in styles(line_name(c) for c in sorted(cases, key=line_name)).items():
         line = sorted([c for c in cases if line_name(c) == name], key=lambda c: c[x])
-        axes.plot([c[x] for c in line], [c.value("error") for c in line], label=name, **style)
+        axes.plot([c[x] for c in line], [c.median("error") for c in line], label=name, **style)
 
 
-def error_over_h(problem, cases):
+def error_over_h(problem: str, cases: Sequence[Case]) -> list[Figure]:
     shown = best_covered(cases, "h")
     if not shown:
         return []
@@ -86,7 +91,7 @@ def error_over_h(problem, cases):
     draw_lines(axes, shown, "h")
     h = np.array(sorted({c["h"] for c in shown}))
     if len(h) > 1:
-        top = max(c.value("error") for c in shown)
+        top = max(c.median("error") for c in shown)
         for order, dash in ((1, ":"), (2, "--")):
             axes.plot(
                 h,
@@ -111,8 +116,8 @@ def error_over_h(problem, cases):
     ]
 
 
-def error_over_step(problem, cases):
-    counts = {}
+def error_over_step(problem: str, cases: Sequence[Case]) -> list[Figure]:
+    counts: dict[int, set[float]] = {}
     for c in cases:
         counts.setdefault(c["cells"], set()).add(c["cfl"])
     cells = max(counts, key=lambda n: len(counts[n]))
@@ -138,7 +143,7 @@ def error_over_step(problem, cases):
     ]
 
 
-def pareto(points):
+def pareto(points: Sequence[tuple[float, float]]) -> list[int]:
     """Indices of the points that no other one beats in both coordinates (smaller is better)."""
     order = sorted(range(len(points)), key=lambda i: points[i])
     front, lowest = [], np.inf
@@ -149,10 +154,10 @@ def pareto(points):
     return front
 
 
-def draw_front(axes, cases, method):
+def draw_front(axes: Axes, cases: Sequence[Case], method: Callable[[Case], str]) -> None:
     """Every run as a mark, the front of each method as a line, the front of all ringed."""
     for i, name in enumerate(sorted({method(c) for c in cases})):
-        points = [(c.value("time"), c.value("error")) for c in cases if method(c) == name]
+        points = [(c.median("time"), c.median("error")) for c in cases if method(c) == name]
         colour, marker = SERIES[i % 8], MARKERS[i % 8]
         axes.plot(
             *zip(*points, strict=True),
@@ -171,11 +176,10 @@ def draw_front(axes, cases, method):
             drawstyle="steps-post",
             label=name,
         )
-    points = [(c.value("time"), c.value("error")) for c in cases]
-    front = pareto(points)
+    points = [(c.median("time"), c.median("error")) for c in cases]
+    front = [points[k] for k in pareto(points)]
     axes.plot(
-        [points[i][0] for i in front],
-        [points[i][1] for i in front],
+        *zip(*front, strict=True),
         linestyle="none",
         marker="o",
         markersize=10,
@@ -190,7 +194,7 @@ def draw_front(axes, cases, method):
     legend(axes, ncols=2)
 
 
-def work_precision(problem, cases):
+def work_precision(problem: str, cases: Sequence[Case]) -> Figure:
     cases = [c for c in cases if c.value("time")]
     figure, axes = panel(4.6, 3.3 + 0.17 * len({method(c) for c in cases}))
     draw_front(axes, cases, method)
@@ -202,16 +206,16 @@ def work_precision(problem, cases):
     )
 
 
-def reaching(cases, target):
+def reaching(cases: Sequence[Case], target: float) -> Case | None:
     """The fastest case whose error is at most `target`, or None."""
     return min(
-        (c for c in cases if c.value("time") and c.value("error") <= target),
-        key=lambda c: c.value("time"),
+        (c for c in cases if c.value("time") and c.median("error") <= target),
+        key=lambda c: c.median("time"),
         default=None,
     )
 
 
-def time_to_error(results):
+def time_to_error(results: Results) -> list[Table]:
     """Table of the times to reach a given error, for every method and problem."""
     rows = []
     cases = quoted(results)
@@ -219,20 +223,20 @@ def time_to_error(results):
         mine = [c for c in cases if c["problem"] == problem]
         for target in TARGETS:
             found = [
-                (name, reaching([c for c in mine if method(c) == name], target))
+                (name, c)
                 for name in sorted({method(c) for c in mine})
+                if (c := reaching([m for m in mine if method(m) == name], target)) is not None
             ]
-            found = [(name, c) for name, c in found if c is not None]
-            fastest = min((c.value("time") for _, c in found), default=None)
-            for name, c in sorted(found, key=lambda f: f[1].value("time")):
+            fastest = min((c.median("time") for _, c in found), default=math.nan)
+            for name, c in sorted(found, key=lambda f: f[1].median("time")):
                 rows.append(
                     [
                         problem,
                         target,
                         name,
-                        c.value("time"),
-                        c.value("time") / fastest,
-                        c.value("error"),
+                        c.median("time"),
+                        c.median("time") / fastest,
+                        c.median("error"),
                         c["cells"],
                         c["cfl"],
                         str(c["alpha_policy"]),
@@ -269,7 +273,7 @@ def time_to_error(results):
     )
 
 
-def order_rows(results):
+def order_rows(results: Results) -> list[tuple[Case, Case, float]]:
     """Order between neighbouring resolutions at CFL 0.4: (case, finer case, order)."""
     rows = []
     cases = [c for c in quoted(results) if is_explicit(c) and c["cfl"] == 0.4]
@@ -285,11 +289,13 @@ def order_rows(results):
             None,
         )
         if fine:
-            rows.append((coarse, fine, float(np.log2(coarse.value("error") / fine.value("error")))))
+            rows.append(
+                (coarse, fine, float(np.log2(coarse.median("error") / fine.median("error"))))
+            )
     return sorted(rows, key=lambda r: (str(r[0]["problem"]), line_name(r[0]), -r[0]["h"]))
 
 
-def order_table(results):
+def order_table(results: Results) -> list[Table]:
     rows = [
         [
             c["problem"],
@@ -332,7 +338,7 @@ def order_table(results):
     )
 
 
-def best_order(results):
+def best_order(results: Results) -> tuple[float, str] | None:
     """The order of the standing wave without damping, and a text that says what it was measured on.
 
     From the coarsest to the finest run of the solver with most resolutions; None without two.
@@ -350,7 +356,7 @@ def best_order(results):
     if len(line) < 2:
         return None
     coarse, fine = line[0], line[-1]
-    order = np.log(coarse.value("error") / fine.value("error")) / np.log(coarse["h"] / fine["h"])
+    order = np.log(coarse.median("error") / fine.median("error")) / np.log(coarse["h"] / fine["h"])
     return float(
         order
     ), f"standing wave, α = 1, {coarse['cells']} to {fine['cells']} cells, {coarse['solver']}"

@@ -4,13 +4,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .kinds import Array
+from .results import Case, Results
+
 # A change counts if it exceeds this share and also what the repetitions of both runs leave open.
 THRESHOLD = 0.10
 
 
 @dataclass
 class Change:
-    case: object
+    case: Case
     quantity: str
     units: str
     old: float
@@ -20,16 +23,16 @@ class Change:
     kind: str  # "worse", "better", "same", "drowned"
 
 
-def median_error(values):
+def median_error(values: Array) -> float:
     """Relative standard error of the median of n repetitions: 1.25 σ/√n, σ from the quartiles."""
     values = np.asarray(values, float)
     if len(values) < 3:
         return 0.0
     low, high = np.percentile(values, [25, 75])
-    return 1.25 * (high - low) / 1.35 / np.sqrt(len(values)) / abs(np.median(values))
+    return float(1.25 * (high - low) / 1.35 / np.sqrt(len(values)) / abs(np.median(values)))
 
 
-def machine_ratio(new, old):
+def machine_ratio(new: Results, old: Results) -> float:
     """How much slower the machine itself was, by the fixed loop of all cases of both runs."""
     loops = [np.concatenate([c.calibration for c in r.cases] or [np.ones(1)]) for r in (new, old)]
     return (
@@ -43,7 +46,7 @@ def machine_ratio(new, old):
 CLOCKED = ("ns", "s", "flop/s", "B/s", "particle-steps/s")
 
 
-def machine_change(case, before):
+def machine_change(case: Case, before: Case) -> float:
     """By how much the fixed loop around the two measurements of a case differed, as a share."""
     loops = [np.median(c.calibration) if len(c.calibration) else np.nan for c in (case, before)]
     return (
@@ -53,7 +56,7 @@ def machine_change(case, before):
     )
 
 
-def compare(new, old, threshold=THRESHOLD):
+def compare(new: Results, old: Results, threshold: float = THRESHOLD) -> list[Change]:
     """One Change for every quantity with a direction that both files quote."""
     changes = []
     for case in new.cases:
@@ -102,7 +105,7 @@ def compare(new, old, threshold=THRESHOLD):
     return changes
 
 
-def appeared_broken(new, old):
+def appeared_broken(new: Results, old: Results) -> list[Case]:
     """Cases that were fine in the old file and are invalid or failed now."""
     return [
         case

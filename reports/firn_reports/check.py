@@ -1,15 +1,20 @@
 """What `firn check --json` prints: the verdict, the fields that each stage wrote, properties."""
 
+from pathlib import Path
+from typing import TypeAlias
+
 import numpy as np
 
 from . import InputError, json_file
+from .kinds import Json
 from .page import Figure, Mark, Section, Table, number
 from .style import BAD, SERIES, log_axis, panel, to_svg
 
+Check: TypeAlias = Json
 KIND = {"VALID": "good", "INVALID": "bad"}
 
 
-def read(path):
+def read(path: str | Path) -> Check:
     check = json_file.read(path)
     if not isinstance(check, dict) or check.get("verdict") not in KIND or "fields" not in check:
         raise InputError(
@@ -18,16 +23,16 @@ def read(path):
     return check
 
 
-def mark(check):
+def mark(check: Check) -> Mark:
     return Mark(check["verdict"], KIND[check["verdict"]])
 
 
-def name(check):
+def name(check: Check) -> str:
     """Which solver was checked against which."""
     return f"{check.get('subject', '?')} ({check.get('precision', '?')}) against {check.get('reference', '?')}"
 
 
-def sentence(check):
+def sentence(check: Check) -> str:
     """One line for the top of the page."""
     text = f"{name(check)}, {number(int(check.get('steps', 0)))} steps of {check.get('scene', '?')}, {check.get('mode', '?')}"
     divergence = check.get("first_divergence")
@@ -38,7 +43,7 @@ def sentence(check):
     )
 
 
-def command(check):
+def command(check: Check) -> str:
     return (
         f"firn check {check.get('scene', 'SCENE')} --solver {check.get('subject', '?')} "
         f"--against {check.get('reference', 'reference')} --precision {check.get('precision', 'double')} "
@@ -46,7 +51,7 @@ def command(check):
     )
 
 
-def section(checks):
+def section(checks: list[Check]) -> Section:
     result = Section(
         "check",
         "Stage by stage against the reference",
@@ -59,7 +64,7 @@ def section(checks):
     return result
 
 
-def stages(row):
+def stages(row: Json) -> str:
     return (
         row["through"]
         if row.get("from") == row.get("through")
@@ -67,9 +72,9 @@ def stages(row):
     )
 
 
-def figure(check):
+def figure(check: Check) -> Figure:
     """Largest error of each field, in bounds, worst repetition of each kept."""
-    worst = {}
+    worst: dict[str, float] = {}
     for row in check["fields"]:
         key = f"{row.get('written_by') or 'kept'}: {row['field'].replace('node_', '').replace('particle_', '')}"
         worst[key] = max(worst.get(key, 0.0), float(row["largest_in_bounds"]))
@@ -94,7 +99,7 @@ def figure(check):
     return Figure(name(check), to_svg(plot), command=command(check), caption=sentence(check))
 
 
-def fields_table(check, i):
+def fields_table(check: Check, i: int) -> Table:
     columns = [
         "stage",
         "field",
@@ -142,7 +147,7 @@ def fields_table(check, i):
     )
 
 
-def properties_table(check, i):
+def properties_table(check: Check, i: int) -> Table:
     rows = [
         [
             row["name"],

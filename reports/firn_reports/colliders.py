@@ -1,14 +1,17 @@
 """Signed distances of a scene's analytic colliders, for pictures and the reach of free flight."""
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from .kinds import Array, Json
 
 
-def unit(vector):
+def unit(vector: ArrayLike) -> Array:
     vector = np.asarray(vector, float)
     return vector / np.linalg.norm(vector)
 
 
-def rotation(omega, t):
+def rotation(omega: ArrayLike, t: float) -> Array:
     """R(t): turns by |ω|t about ω (Rodrigues)."""
     omega = np.asarray(omega, float)
     rate = np.linalg.norm(omega)
@@ -19,13 +22,13 @@ def rotation(omega, t):
     return np.eye(3) + np.sin(rate * t) * K + (1 - np.cos(rate * t)) * K @ K
 
 
-def shape_center(shape):
+def shape_center(shape: Json) -> Array:
     if shape["type"] == "box":
         return (np.asarray(shape["min"], float) + np.asarray(shape["max"], float)) / 2
     return np.asarray(shape.get("center", shape.get("point", [0, 0, 0])), float)
 
 
-def distance(shape, x):
+def distance(shape: Json, x: Array) -> Array | None:
     """φ(x) of an analytic shape, None for one that only a file describes."""
     kind = shape["type"]
     if kind == "half-space":
@@ -45,7 +48,7 @@ def distance(shape, x):
     return None
 
 
-def collider_distance(collider, x, t):
+def collider_distance(collider: Json, x: Array, t: float) -> Array | None:
     """φ at time t: the point is carried into the shape's own frame."""
     shape = collider["shape"]
     c = np.asarray(collider.get("center", shape_center(shape)), float)
@@ -57,7 +60,7 @@ def collider_distance(collider, x, t):
     return -phi if collider.get("inside", False) else phi
 
 
-def free_flight_reach(scene, x):
+def free_flight_reach(scene: Json, x: Array) -> float | None:
     """How far the body x may travel before a node that it touches can lie in a collider [m].
 
     A particle touches nodes up to 2h away along each axis, at most 2√3 h in all.

@@ -1,7 +1,11 @@
 """When semi-implicit steps pay: figures and tables of the suite `implicit`."""
 
+import math
+from collections.abc import Sequence
+
 from .accuracy import draw_front, reaching
 from .page import Code, Figure, Table
+from .results import Case, Results
 from .results_figures import left_out, styles, who
 from .results_tables import of_cases
 from .style import MUTED, legend, log_axis, panel, plain, to_svg
@@ -10,39 +14,39 @@ from .style import MUTED, legend, log_axis, panel, plain, to_svg
 TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 
 
-def cost(results):
+def cost(results: Results) -> list[Case]:
     return [c for c in results.suite("implicit") if c.name.startswith("cost")]
 
 
-def error(results):
+def error(results: Results) -> list[Case]:
     return [c for c in results.suite("implicit") if c.name.startswith("error")]
 
 
-def stiffness(case):
+def stiffness(case: Case) -> str:
     return f"E = {plain(case['youngs_modulus'])} Pa"
 
 
-def is_explicit(case):
+def is_explicit(case: Case) -> bool:
     return case["r"] <= 1
 
 
-def method(case):
+def method(case: Case) -> str:
     return f"{who(case)}, " + (
         "explicit" if is_explicit(case) else f"implicit to {plain(case['tolerance'])}"
     )
 
 
-def figures(results):
+def figures(results: Results) -> list[Figure]:
     return walls(cost(results)) + iterations(cost(results)) + fronts(error(results))
 
 
-def small(cases):
+def small(cases: Sequence[Case]) -> list[Case]:
     """The cases of the block that every solver was asked for: the smallest."""
     fewest = min((c["particles"] for c in cases if c["particles"]), default=0)
     return [c for c in cases if c["particles"] == fewest]
 
 
-def walls(cases):
+def walls(cases: Sequence[Case]) -> list[Figure]:
     """Wall time of a simulated second, semi-implicit over explicit."""
     made = []
     shown = [c for c in small(cases) if c.value("implicit over explicit")]
@@ -55,7 +59,7 @@ def walls(cases):
             line = sorted((c for c in mine if stiffness(c) == label), key=lambda c: c["r"])
             axes.plot(
                 [c["r"] for c in line],
-                [c.value("implicit over explicit") for c in line],
+                [c.median("implicit over explicit") for c in line],
                 label=label,
                 **style,
             )
@@ -80,7 +84,7 @@ def walls(cases):
     return made
 
 
-def iterations(cases):
+def iterations(cases: Sequence[Case]) -> list[Figure]:
     """Iterations over r, small and large blocks, of the one solver that was asked for most."""
     counted = [
         c
@@ -92,7 +96,7 @@ def iterations(cases):
     if not counted:
         return []
     figure, axes = panel(4.6, 3.4)
-    names = {}
+    names: dict[str, list[Case]] = {}
     for c in sorted(counted, key=lambda c: (c["youngs_modulus"], c["particles"])):
         names.setdefault(f"{stiffness(c)}, {plain(round(c['particles'] / 1000))} k", []).append(c)
     for label, style in styles(names).items():
@@ -119,7 +123,7 @@ def iterations(cases):
     ]
 
 
-def fronts(cases):
+def fronts(cases: Sequence[Case]) -> list[Figure]:
     made = []
     shown = [c for c in cases if c.value("error") is not None and c.value("time")]
     for label in dict.fromkeys(
@@ -141,7 +145,7 @@ def fronts(cases):
     return made
 
 
-def tables(results):
+def tables(results: Results) -> list[Table]:
     return (
         time_to_error(error(results))
         + of_cases(
@@ -159,7 +163,7 @@ def tables(results):
     )
 
 
-def time_to_error(cases):
+def time_to_error(cases: Sequence[Case]) -> list[Table]:
     rows = []
     for label in dict.fromkeys(
         stiffness(c) for c in sorted(cases, key=lambda c: c["youngs_modulus"])
@@ -168,20 +172,20 @@ def time_to_error(cases):
         for target in TARGETS:
             kinds = sorted({(who(c), is_explicit(c)) for c in mine})
             found = [
-                (kind, reaching([c for c in mine if (who(c), is_explicit(c)) == kind], target))
+                (kind, c)
                 for kind in kinds
+                if (c := reaching([m for m in mine if (who(m), is_explicit(m)) == kind], target))
             ]
-            found = [(kind, c) for kind, c in found if c is not None]
-            fastest = min((c.value("time") for _, c in found), default=None)
-            for (name, explicit), c in sorted(found, key=lambda f: f[1].value("time")):
+            fastest = min((c.median("time") for _, c in found), default=math.nan)
+            for (name, explicit), c in sorted(found, key=lambda f: f[1].median("time")):
                 rows.append(
                     [
                         label,
                         target,
                         f"{name}, {'explicit' if explicit else 'implicit'}",
-                        c.value("time"),
-                        c.value("time") / fastest,
-                        c.value("error"),
+                        c.median("time"),
+                        c.median("time") / fastest,
+                        c.median("error"),
                         c["r"],
                         None if explicit else c["tolerance"],
                         Code(c.command),

@@ -1,8 +1,13 @@
 """Where it stops working: figures and tables of the suites `stability`, `stress` and `float`."""
 
+import math
+from collections.abc import Callable, Sequence
+
 import numpy as np
+from matplotlib.axes import Axes
 
 from .page import Code, Figure, Mark, Table, number
+from .results import Case, Results
 from .results_figures import bars, styles, who
 from .style import BAD, GOOD, INK, MUTED, SERIES, legend, log_axis, panel, plain, to_svg
 
@@ -10,7 +15,7 @@ from .style import BAD, GOOD, INK, MUTED, SERIES, legend, log_axis, panel, plain
 LARGEST_TRIED = 16
 
 
-def limit(case, quantity):
+def limit(case: Case, quantity: str) -> float | None:
     """The limit, or None where none was found."""
     value = case.value(quantity)
     return value if value is not None and value < LARGEST_TRIED else None
@@ -33,21 +38,21 @@ NEVER = " No prediction: the particles do not sample every wave evenly."
 LONE = "place of a lone particle"
 
 
-def worst_limit(results):
+def worst_limit(results: Results) -> tuple[float, str, Case] | None:
     """(distance from the prediction, which, case) where it is largest."""
     rows = [
         (
-            abs(c.value("cfl") / expected(c) - 1),
+            abs(c.median("cfl") / predicted - 1),
             f"{AXES.get(c['varied'], c['varied'])}: {number(c['value'])}",
             c,
         )
         for c in results.suite("stability")
-        if c.quotable and expected(c) is not None and limit(c, "cfl") is not None
+        if c.quotable and (predicted := expected(c)) is not None and limit(c, "cfl") is not None
     ]
     return max(rows, key=lambda row: row[0], default=None)
 
 
-def stability(results):
+def stability(results: Results) -> list[Figure]:
     cases = [c for c in results.suite("stability") if c.quotable]
     varied = list(
         dict.fromkeys(
@@ -70,7 +75,9 @@ def stability(results):
     return made + lone_particle([c for c in cases if c["varied"].startswith(LONE)])
 
 
-def draw_tries(axes, cases, scale=lambda case: 1.0):
+def draw_tries(
+    axes: Axes, cases: Sequence[Case], scale: Callable[[Case], float] = lambda case: 1.0
+) -> None:
     """Every step that the bisections tried: a dot for a stable run, a cross for an unstable one."""
     for outcome, marker, colour in (("stable", "o", GOOD), ("unstable", "x", BAD)):
         points = [
@@ -91,7 +98,7 @@ def draw_tries(axes, cases, scale=lambda case: 1.0):
             )
 
 
-def stability_map(varied, cases):
+def stability_map(varied: str, cases: Sequence[Case]) -> Figure:
     """Steps tried over the parameter, the limit found, the limit predicted."""
     figure, axes = panel(4.6, 3.3)
     hardened = varied in HARDENED
@@ -100,8 +107,9 @@ def stability_map(varied, cases):
         (lambda c: np.exp(-0.5 * c["hardening"] * (1 - c["J_P"]))) if hardened else (lambda c: 1.0)
     )
 
-    def at(c, quantity):
-        return None if limit(c, quantity) is None else scale(c) * limit(c, quantity)
+    def at(c: Case, quantity: str) -> float:
+        found = limit(c, quantity)
+        return math.nan if found is None else scale(c) * found
 
     found = [at(c, "cfl") for c in cases if limit(c, "cfl") is not None]
     top = 1.35 * max(found, default=LARGEST_TRIED)
@@ -154,7 +162,7 @@ def stability_map(varied, cases):
     )
 
 
-def expected(case):
+def expected(case: Case) -> float | None:
     """Where the bisection should end.
 
     Growth is seen in 600 steps only up to 2 % beyond the limit itself.
@@ -162,27 +170,27 @@ def expected(case):
     return limit(case, "expected_cfl" if "expected_cfl" in case.quantities else "predicted_cfl")
 
 
-def off_by(cases):
+def off_by(cases: Sequence[Case]) -> str:
     """How far limits lie from their predictions."""
     off = [
-        abs(c.value("cfl") / expected(c) - 1)
+        abs(c.median("cfl") / predicted - 1)
         for c in cases
-        if expected(c) is not None and limit(c, "cfl") is not None
+        if (predicted := expected(c)) is not None and limit(c, "cfl") is not None
     ]
     return (
         f"Largest distance of a limit from its prediction: {100 * max(off):.2g} %." if off else ""
     )
 
 
-def seconds(cases):
+def seconds(cases: Sequence[Case]) -> list[Figure]:
     """Δt itself over E, one line per spacing: where a user looks up the step of a scene."""
     shown = [c for c in cases if c["varied"] == "E" or str(c["varied"]).startswith("E at")]
     if not shown:
         return []
     figure, axes = panel(4.6, 3.3)
 
-    def in_seconds(c):
-        return c.value("step") / c.value("cfl")
+    def in_seconds(c: Case) -> float:
+        return c.median("step") / c.median("cfl")
 
     draw_tries(axes, list(shown), in_seconds)
     for name, style in styles(
@@ -191,13 +199,13 @@ def seconds(cases):
         line = sorted([c for c in shown if f"h = {c['h']} m" == name], key=lambda c: c["value"])
         axes.plot(
             [c["value"] for c in line],
-            [c.value("step") for c in line],
+            [c.median("step") for c in line],
             label=f"limit, {name}",
             **style,
         )
         axes.plot(
             [c["value"] for c in line],
-            [c.value("predicted_cfl") * in_seconds(c) for c in line],
+            [c.median("predicted_cfl") * in_seconds(c) for c in line],
             color=INK,
             linestyle="--",
             linewidth=1.2,
@@ -218,21 +226,21 @@ def seconds(cases):
     ]
 
 
-def lone_particle(cases):
+def lone_particle(cases: Sequence[Case]) -> list[Figure]:
     """One particle with the mass of a full cell: its limit for a stated and an estimated volume."""
     if not cases:
         return []
     figure, axes = panel(4.6, 3.3)
     draw_tries(axes, [c for c in cases if c["solver"] != "reference"])
 
-    def name_of(c):
+    def name_of(c: Case) -> str:
         return c["varied"].split(", ")[1] + (", reference" if c["solver"] == "reference" else "")
 
     for name, style in styles(
         name_of(c) for c in sorted(cases, key=lambda c: (c["solver"], c["varied"]))
     ).items():
         line = sorted([c for c in cases if name_of(c) == name], key=lambda c: c["value"])
-        axes.plot([c["value"] for c in line], [c.value("cfl") for c in line], label=name, **style)
+        axes.plot([c["value"] for c in line], [c.median("cfl") for c in line], label=name, **style)
     for i, kind in enumerate(sorted({c["varied"] for c in cases})):
         line = sorted(
             [c for c in cases if c["varied"] == kind and c["solver"] != "reference"],
@@ -240,13 +248,13 @@ def lone_particle(cases):
         )
         axes.plot(
             [c["value"] for c in line],
-            [c.value("predicted_cfl") for c in line],
+            [c.median("predicted_cfl") for c in line],
             color=INK,
             linestyle="--",
             linewidth=1.2,
             label="predicted" if i == 0 else None,
         )
-    axes.set_ylim(0, 1.35 * max(c.value("cfl") for c in cases))
+    axes.set_ylim(0, 1.35 * max(c.median("cfl") for c in cases))
     axes.set_xlabel("place in the cell, along each axis [h]; 0: on a node")
     axes.set_ylabel("c Δt / h")
     legend(axes, ncols=2)
@@ -263,7 +271,7 @@ def lone_particle(cases):
     ]
 
 
-def drift(cases):
+def drift(cases: Sequence[Case]) -> Figure:
     """Error against steps of the cases that say it for several numbers of steps."""
     figure, axes = panel()
     for name, style in styles(who(c) for c in cases).items():
@@ -291,7 +299,7 @@ def drift(cases):
 ZERO = 1e-17
 
 
-def float_accuracy(results):
+def float_accuracy(results: Results) -> list[Figure]:
     made = []
     cases = [c for c in results.suite("float") if c.quotable]
     drifting = sorted([c for c in cases if c["test"] == "drift"], key=lambda c: c.name)
@@ -299,7 +307,8 @@ def float_accuracy(results):
         made.append(drift(drifting))
     for test in dict.fromkeys(c["test"] for c in cases if c["test"] != "drift"):
         mine = sorted([c for c in cases if c["test"] == test], key=lambda c: c.name)
-        rows = [(who(c), *3 * [max(c.value("error"), ZERO)]) for c in mine]
+        errors = [max(c.median("error"), ZERO) for c in mine]
+        rows = [(who(c), error, error, error) for c, error in zip(mine, errors, strict=True)]
         meaning = next(iter(mine[0].quantities.values())).meaning
         made.append(
             Figure(
@@ -319,7 +328,7 @@ def float_accuracy(results):
     return made
 
 
-def stress_table(results):
+def stress_table(results: Results) -> list[Table]:
     """One row per situation, one column per solver: what it did."""
     cases = results.suite("stress")
     if not cases:

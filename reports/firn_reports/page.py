@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 import jinja2
 
@@ -21,7 +22,7 @@ class Figure:
     wide: bool = False
 
     @property
-    def png_url(self):
+    def png_url(self) -> str:
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
@@ -29,13 +30,13 @@ class Figure:
 class Table:
     name: str  # file name of its CSV, without the ending
     title: str
-    columns: list  # texts, units in brackets
-    rows: list  # lists of values; a Mark shows as a coloured word
+    columns: list[str]  # units in brackets
+    rows: list[list[Any]]  # a Mark shows as a coloured word, Code as a command
     caption: str = ""
     command: str = ""
     open: bool = False  # long tables are folded
 
-    def csv(self):
+    def csv(self) -> str:
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(self.columns)
@@ -45,7 +46,7 @@ class Table:
         return buffer.getvalue()
 
     @property
-    def csv_url(self):
+    def csv_url(self) -> str:
         return (
             "data:text/csv;charset=utf-8;base64," + base64.b64encode(self.csv().encode()).decode()
         )
@@ -58,7 +59,7 @@ class Mark:
     text: str
     kind: str
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.text
 
 
@@ -68,7 +69,7 @@ class Code:
 
     text: str
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.text
 
 
@@ -87,12 +88,12 @@ class Section:
     id: str
     title: str
     intro: str = ""
-    figures: list = field(default_factory=list)
-    tables: list = field(default_factory=list)
-    logs: list = field(default_factory=list)  # (title, text)
+    figures: list[Figure] = field(default_factory=list)
+    tables: list[Table] = field(default_factory=list)
+    logs: list[tuple[str, str]] = field(default_factory=list)  # (title, text)
     command: str = ""
 
-    def empty(self):
+    def empty(self) -> bool:
         return not (self.figures or self.tables or self.logs or self.intro)
 
 
@@ -100,16 +101,16 @@ class Section:
 class Page:
     title: str
     subtitle: str = ""
-    verdict: Mark = None
+    verdict: Mark | None = None
     sentence: str = ""
-    tiles: list = field(default_factory=list)
-    look_at: list = field(default_factory=list)  # (text, section id)
-    hero: Figure = None
-    sections: list = field(default_factory=list)
+    tiles: list[Tile] = field(default_factory=list)
+    look_at: list[tuple[str, str]] = field(default_factory=list)  # (text, section id)
+    hero: Figure | None = None
+    sections: list[Section] = field(default_factory=list)
     command: str = ""
 
 
-def number(value, digits=4):
+def number(value: Any, digits: int = 4) -> Any:
     """A number as a reader wants it: 12 345, 0.0123, 3.2e-14."""
     if value is None:
         return "–"
@@ -127,7 +128,7 @@ def number(value, digits=4):
     return re.sub(r"e([+-])0*(\d)", lambda m: "e" + m[1].replace("+", "") + m[2], text)
 
 
-def environment(package):
+def environment(package: str) -> jinja2.Environment:
     """Jinja2 for the templates of a package, with `number` and the kinds of values of a table."""
     result = jinja2.Environment(
         loader=jinja2.PackageLoader(package),
@@ -145,12 +146,12 @@ def environment(package):
     return result
 
 
-def style_sheet():
+def style_sheet() -> str:
     """The CSS that every page has."""
     return resources.files("firn_reports").joinpath("templates/page.css").read_text("utf-8")
 
 
-def write(page, directory):
+def write(page: Page, directory: str | Path) -> Path:
     """DIR/index.html, one file; the CSV of every table also stands beside it."""
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)

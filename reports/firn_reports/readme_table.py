@@ -1,14 +1,17 @@
 """The summary of a results file as a Markdown table, for the README."""
 
+from collections.abc import Iterable, Sequence
+
 from . import accuracy, limits, results_figures as figures, results_tables as tables
 from .page import number
+from .results import Results
 
 
-def million(rate):
+def million(rate: float) -> str:
     return f"{number(rate / 1e6, 3)} M/s"
 
 
-def rate_rows(results):
+def rate_rows(results: Results) -> list[list[str]]:
     """One row per solver, precision and deformation: one thread, all threads, speed-up."""
     cases = [c for c in results.suite("steps") if c.quotable]
     rows = []
@@ -40,8 +43,8 @@ def rate_rows(results):
             [
                 f"{name[0]}, {name[1]}, {name[2]}",
                 f"{number(particles)}",
-                million(at[1].value("rate")),
-                f"{million(at[most].value('rate'))} ({most} T)" if most > 1 else "–",
+                million(at[1].median("rate")),
+                f"{million(at[most].median('rate'))} ({most} T)" if most > 1 else "–",
                 f"{number(ratio.value('speedup'), 3)}×" if ratio else "–",
                 f"{number(memory, 3)} B" if memory else "–",
             ]
@@ -49,13 +52,13 @@ def rate_rows(results):
     return rows
 
 
-def span(values, digits):
+def span(values: Sequence[float], digits: int) -> str:
     """ "34 to 39", or one number if all are the same."""
     least, most = number(min(values), digits), number(max(values), digits)
     return least if least == most else f"{least} to {most}"
 
 
-def facts(results):
+def facts(results: Results) -> list[tuple[str, str]]:
     """(what, figure) of everything else that the summary quotes."""
     found = []
     if share := figures.best_share_of_peak(results):
@@ -66,10 +69,10 @@ def facts(results):
             )
         )
     for count, step in (("plain", "a plain step"), ("factored", "the factored step")):
-        shares = {}
+        shares: dict[str, list[float]] = {}
         for case in results.suite("targets"):
-            if (share := case.value(f"FMA peak, {count} count")) is not None:
-                shares.setdefault(case["target"].upper(), []).append(100 * share)
+            if (own := case.value(f"FMA peak, {count} count")) is not None:
+                shares.setdefault(case["target"].upper(), []).append(100 * own)
         found += [
             (
                 f"share of the FMA peak of {target}, optimized, 100 000 particles, what {step} needs",
@@ -85,12 +88,12 @@ def facts(results):
             for c in results.suite("scaling")
             if c["threads"] == threads and c.value("efficiency") is not None
         ]
-        copies = [c.value(figures.COPIES) for c in mine if c.value(figures.COPIES) is not None]
+        copies = [c.median(figures.COPIES) for c in mine if c.value(figures.COPIES) is not None]
         beside = f"; {span(copies, 3)}" if copies else ""
         found.append(
             (
                 f"efficiency of {threads} threads{'; of as many independent copies' if copies else ''}",
-                span([c.value("efficiency") for c in mine], 3) + beside,
+                span([c.median("efficiency") for c in mine], 3) + beside,
             )
         )
     if order := accuracy.best_order(results):
@@ -126,12 +129,12 @@ def facts(results):
     return found
 
 
-def markdown_table(columns, rows):
+def markdown_table(columns: list[str], rows: Iterable[Sequence[str]]) -> list[str]:
     lines = ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
     return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
 
 
-def text(results):
+def text(results: Results) -> str:
     machine = results.sessions[0] if results.sessions else {}
     lines = []
     if rows := rate_rows(results):

@@ -3,13 +3,16 @@
 docs/results_schema.md describes the format.
 """
 
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
 
 from . import InputError
+from .kinds import Array, Json
 
 
 @dataclass
@@ -19,20 +22,20 @@ class Quantity:
     meaning: str
     better: str
     timed: bool
-    values: np.ndarray
+    values: Array  # one per repetition
 
     @property
-    def median(self):
+    def median(self) -> float:
         return float(np.median(self.values)) if len(self.values) else float("nan")
 
     @property
-    def quartiles(self):
+    def quartiles(self) -> tuple[float, float]:
         return (
             tuple(np.percentile(self.values, [25, 75])) if len(self.values) else (float("nan"),) * 2
         )
 
     @property
-    def spread(self):
+    def spread(self) -> float:
         """(third quartile − first) / median."""
         low, high = self.quartiles
         return float((high - low) / abs(self.median)) if self.median else 0.0
@@ -48,22 +51,27 @@ class Case:
     message: str
     validation: str
     session: int
-    parameters: dict
-    quantities: dict
-    calibration: np.ndarray
-    wall_seconds: float = None  # what measuring it took, validation included
-    processor_seconds: float = None
+    parameters: Json
+    quantities: dict[str, Quantity]
+    calibration: Array  # times of the fixed loop around the measurement [s]
+    wall_seconds: float | None = None  # what measuring it took, validation included
+    processor_seconds: float | None = None
     finished: str = ""  # UTC
 
     @property
-    def quotable(self):
+    def quotable(self) -> bool:
         return self.status == "measured"
 
-    def value(self, name):
+    def value(self, name: str) -> float | None:
         """Median of a quantity that may be quoted, else None."""
         return self.quantities[name].median if self.quotable and name in self.quantities else None
 
-    def __getitem__(self, parameter):
+    def median(self, name: str) -> float:
+        """The same, but NaN instead of None: a gap in a line."""
+        value = self.value(name)
+        return math.nan if value is None else value
+
+    def __getitem__(self, parameter: str) -> Any:
         return self.parameters.get(parameter)
 
 
@@ -71,28 +79,29 @@ class Case:
 class Results:
     path: Path
     firn_version: str = ""
-    sessions: list = field(default_factory=list)  # dicts of machine facts
-    cases: list = field(default_factory=list)
-    verify: dict = field(default_factory=dict)  # subject -> {verdict, command, rows}
-    mutants: dict = field(default_factory=dict)  # {command, rows}
+    sessions: list[Json] = field(default_factory=list)  # facts of the machine
+    cases: list[Case] = field(default_factory=list)
+    verify: dict[str, Json] = field(default_factory=dict)  # by subject: {verdict, command, rows}
+    mutants: Json = field(default_factory=dict)  # {command, rows}
 
-    def suite(self, name):
+    def suite(self, name: str) -> list[Case]:
         return [case for case in self.cases if case.suite == name]
 
-    def find(self, suite, name):
+    def find(self, suite: str, name: str) -> Case | None:
         return next((c for c in self.cases if c.suite == suite and c.name == name), None)
 
 
-def plain(value):
+def plain(value: Any) -> Any:
     """HDF5 attribute or element as str, int or float."""
     if isinstance(value, bytes):
         return value.decode("utf-8", "replace")
     if isinstance(value, (float, np.floating)):
-        return int(value) if float(value).is_integer() and abs(value) < 2**53 else float(value)
+        exact = float(value)
+        return int(exact) if exact.is_integer() and abs(exact) < 2**53 else exact
     return value.item() if hasattr(value, "item") else value
 
 
-def attributes(node):
+def attributes(node: h5py.HLObject) -> Json:
     return {key: plain(value) for key, value in node.attrs.items()}
 
 
@@ -100,7 +109,7 @@ def attributes(node):
 RENAMED = {("targets", "FMA peak"): "FMA peak, factored count"}
 
 
-def read_case(suite, name, group):
+def read_case(suite: str, name: str, group: h5py.Group) -> Case:
     a = attributes(group)
     quantities = {}
     for stored_name, data in group["quantities"].items():
@@ -127,7 +136,7 @@ def read_case(suite, name, group):
     )
 
 
-def read_columns(group, columns):
+def read_columns(group: h5py.Group, columns: list[str]) -> list[Json]:
     return [
         dict(zip(columns, values, strict=True))
         for values in zip(
@@ -136,7 +145,7 @@ def read_columns(group, columns):
     ]
 
 
-def read(path):
+def read(path: str | Path) -> Results:
     result = Results(Path(path))
     with h5py.File(path) as file:
         try:

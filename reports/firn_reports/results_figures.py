@@ -1,8 +1,13 @@
 """The figures of a results page, small panels that say one thing each."""
 
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeAlias
+
 import numpy as np
 
+from .baseline import Change
 from .page import Figure
+from .results import Case, Results
 from .style import (
     BAD,
     DASHES,
@@ -29,7 +34,11 @@ PLAIN_FLOP = 64 * (2 * 28 + 8)
 PLAIN_NUMBERS = 2 * 24 + 2
 
 
-def left_out(cases, name=lambda case: case.name):
+# (label, value, low, high) of a horizontal bar.
+Bar: TypeAlias = tuple[str, float, float, float]
+
+
+def left_out(cases: Iterable[Case], name: Callable[[Case], str] = lambda case: case.name) -> str:
     """What a caption adds on cases that a figure does not show; nothing if it shows all."""
     names = [name(c) for c in cases if c.status == "noisy"]
     more = (
@@ -38,12 +47,12 @@ def left_out(cases, name=lambda case: case.name):
     return f" Too noisy to quote: {'; '.join(names[:4])}{more}." if names else ""
 
 
-def who(case, threads=False):
+def who(case: Case, threads: bool = False) -> str:
     text = f"{case['solver']}, {case['precision']}"
     return f"{text}, {case['threads']} T" if threads else text
 
 
-def styles(names):
+def styles(names: Iterable[str]) -> dict[str, dict[str, Any]]:
     return {
         name: {"color": SERIES[i % 8], "marker": MARKERS[i % 8], "linestyle": DASHES[i % 8]}
         for i, name in enumerate(dict.fromkeys(names))
@@ -51,14 +60,14 @@ def styles(names):
 
 
 def bars(
-    rows,
-    xlabel,
-    log=False,
-    zero=False,
-    marks=(),
-    ticks=(),
-    text=lambda value: plain(float(f"{value:.3g}")),
-):
+    rows: Sequence[Bar],
+    xlabel: str,
+    log: bool = False,
+    zero: bool = False,
+    marks: Sequence[float] = (),
+    ticks: Sequence[float | None] = (),
+    text: Callable[[float], str] = lambda value: plain(float(f"{value:.3g}")),
+) -> str:
     """Horizontal bars as SVG, the value written at the end of each.
 
     `rows`: (label, value, low, high); `marks`: dashed lines through all bars; `ticks`: a value
@@ -111,12 +120,12 @@ def bars(
     return to_svg(figure)
 
 
-def with_quartiles(case, name, scale=1.0):
+def with_quartiles(case: Case, name: str, scale: float = 1.0) -> tuple[float, float, float]:
     low, high = case.quantities[name].quartiles
-    return case.value(name) * scale, low * scale, high * scale
+    return case.median(name) * scale, low * scale, high * scale
 
 
-def speed(results):
+def speed(results: Results) -> list[Figure]:
     made = []
     cases = [c for c in results.suite("steps") if c.quotable]
     for deformation in ("plastic", "elastic"):
@@ -175,13 +184,13 @@ def speed(results):
 COPIES = "efficiency of independent copies"
 
 
-def scaling(results):
+def scaling(results: Results) -> list[Figure]:
     """Threads and sizes as ratios inside one interleaved run."""
     cases = sorted(
         results.suite("scaling"), key=lambda c: (c["precision"], c["deformation"], c["particles"])
     )
 
-    def name(c):
+    def name(c: Case) -> str:
         return f"{c['precision']}, {c['deformation']}, {plain(c['particles'] / 1e6)} M"
 
     made = []
@@ -226,12 +235,12 @@ def scaling(results):
     return made
 
 
-def peak(results, precision, threads=1):
+def peak(results: Results, precision: str, threads: int = 1) -> float | None:
     probe = results.find("roofline", f"fma_{precision},{threads}T")
     return probe.quantities["rate"].median if probe else None
 
 
-def roofline_points(results):
+def roofline_points(results: Results) -> list[tuple[Case, float, float, float]]:
     """(case, flop/s, flop/byte, share of the peak) of each whole step, by the plain count."""
     points = []
     for case in results.suite("steps"):
@@ -239,18 +248,18 @@ def roofline_points(results):
         if case.value("rate") is None or not ceiling:
             continue
         size = 4 if case["precision"] == "float" else 8
-        rate = case.value("rate") * PLAIN_FLOP
+        rate = case.median("rate") * PLAIN_FLOP
         points.append((case, rate, PLAIN_FLOP / (PLAIN_NUMBERS * size), rate / ceiling))
     return points
 
 
-def best_share_of_peak(results):
+def best_share_of_peak(results: Results) -> tuple[float, str] | None:
     points = [p for p in roofline_points(results) if p[0]["threads"] == 1]
     top = max(points, key=lambda p: p[3], default=None)
     return (top[3], f"{who(top[0])}, {top[0]['deformation']}") if top else None
 
 
-def widest(results):
+def widest(results: Results) -> str:
     """ "AVX3 (512 bits)": what the probes, and so the ceilings, were measured with."""
     name = next(
         (str(c["instruction_set"]) for c in results.suite("roofline") if c["instruction_set"]), ""
@@ -267,7 +276,7 @@ def widest(results):
     return f"{name} ({bits} bits)" if bits else name
 
 
-def roofline(results):
+def roofline(results: Results) -> list[Figure]:
     band = results.find("roofline", "triad,1T")
     if not band:
         return []
@@ -336,7 +345,7 @@ def roofline(results):
     return made
 
 
-def stages(results):
+def stages(results: Results) -> list[Figure]:
     made = []
     for case in sorted(results.suite("stages"), key=lambda c: c.name):
         rows = [
@@ -375,7 +384,7 @@ def stages(results):
     return made
 
 
-def skips(results):
+def skips(results: Results) -> list[Figure]:
     cases = [c for c in results.suite("skips") if c.quotable]
     made = []
     for precision in ("float", "double"):
@@ -401,7 +410,7 @@ def skips(results):
     return made
 
 
-def snowball(results):
+def snowball(results: Results) -> list[Figure]:
     """Bands over seeds: median and the range of all of them, never an order."""
     cases = [c for c in results.suite("snowball") if c.quotable]
     made = []
@@ -438,7 +447,7 @@ def snowball(results):
     return made
 
 
-def targets(results):
+def targets(results: Results) -> list[Figure]:
     every = results.suite("targets")
     cases = sorted(
         [c for c in every if c.quotable],
@@ -447,7 +456,7 @@ def targets(results):
     if not cases:
         return []
 
-    def name(c):
+    def name(c: Case) -> str:
         return f"{c['target']}, {c['precision']}, {c['deformation']}"
 
     made = [
@@ -489,18 +498,18 @@ COUNTS = {
 }
 
 
-def kernels(results):
+def kernels(results: Results) -> list[Figure]:
     made = []
     every = results.suite("kernels")
     cases = [c for c in every if c.quotable]
 
-    def name(c):
+    def name(c: Case) -> str:
         return ", ".join(str(c[key]) for key in ("code", "precision", "target") if c[key])
 
     for kernel in dict.fromkeys(
         c["kernel"] for c in sorted(every, key=lambda c: kernel_order(c["kernel"]))
     ):
-        mine = sorted((c for c in cases if c["kernel"] == kernel), key=lambda c: c.value("time"))
+        mine = sorted((c for c in cases if c["kernel"] == kernel), key=lambda c: c.median("time"))
         if not mine:
             continue
         rows = [(name(c), *with_quartiles(c, "time")) for c in mine]
@@ -537,16 +546,16 @@ KERNELS = (
 )
 
 
-def kernel_order(kernel):
+def kernel_order(kernel: Any) -> tuple[int, str]:
     return next(
         (i for i, name in enumerate(KERNELS) if str(kernel).startswith(name)), len(KERNELS)
     ), str(kernel)
 
 
-def verification(results):
+def verification(results: Results) -> list[Figure]:
     made = []
     for subject, verdict in results.verify.items():
-        worst = {}
+        worst: dict[str, float] = {}
         for row in verdict["rows"]:
             worst[row["topic"]] = max(worst.get(row["topic"], 1e-6), row["error"])
         figure, axes = panel(4.6, 0.9 + 0.26 * max(len(worst), 2))
@@ -575,7 +584,7 @@ def verification(results):
     return made
 
 
-def changes(changes):
+def changes(changes: Sequence[Change]) -> list[Figure]:
     shown = [c for c in changes if c.kind in ("worse", "better")]
     shown = sorted(shown, key=lambda c: -abs(np.log(c.ratio)))[:14]
     if not shown:
@@ -604,7 +613,7 @@ def changes(changes):
     ]
 
 
-def noise(results):
+def noise(results: Results) -> list[Figure]:
     loops = [c for c in results.cases if len(c.calibration)]
     if not loops:
         return []

@@ -1,5 +1,7 @@
 """The page of a results file: the summary first, then what each suite found."""
 
+from collections.abc import Callable, Sequence
+
 from . import (
     accuracy,
     baseline as comparison,
@@ -8,7 +10,9 @@ from . import (
     results_figures as figures,
     results_tables as tables,
 )
-from .page import Mark, Page, Section, Tile, number
+from .baseline import Change
+from .page import Figure, Mark, Page, Section, Tile, number
+from .results import Case, Results
 
 INTRO = {
     "speed": "Wall time of whole steps: medians of all repetitions, bars from the first to the third quartile. "
@@ -35,7 +39,12 @@ INTRO = {
 }
 
 
-def build(results, old=None, threshold=comparison.THRESHOLD, command=""):
+def build(
+    results: Results,
+    old: Results | None = None,
+    threshold: float = comparison.THRESHOLD,
+    command: str = "",
+) -> tuple[Page, bool]:
     changes = comparison.compare(results, old, threshold) if old else []
     broken = comparison.appeared_broken(results, old) if old else []
     machine = results.sessions[0] if results.sessions else {}
@@ -78,12 +87,14 @@ def build(results, old=None, threshold=comparison.THRESHOLD, command=""):
     return page, failed(changes, broken)
 
 
-def failed(changes, broken):
+def failed(changes: list[Change], broken: list[Case]) -> bool:
     """True if something became worse than the threshold allows, or broke."""
     return bool(broken) or any(change.kind == "worse" for change in changes)
 
 
-def set_verdict(page, results, old, changes, broken):
+def set_verdict(
+    page: Page, results: Results, old: Results | None, changes: list[Change], broken: list[Case]
+) -> None:
     bad_subjects = [s for s, v in results.verify.items() if v["verdict"] != "VALID"]
     invalid = [c for c in results.cases if c.status in ("invalid", "failed")]
     survived = [m for m in results.mutants.get("rows", []) if not m["caught"]]
@@ -121,12 +132,12 @@ def set_verdict(page, results, old, changes, broken):
         page.sentence += "; nothing is slower than the baseline beyond the noise"
 
 
-def best(cases, quantity):
+def best(cases: Sequence[Case], quantity: str) -> Case | None:
     quoted = [c for c in cases if c.value(quantity) is not None]
-    return max(quoted, key=lambda c: c.value(quantity), default=None)
+    return max(quoted, key=lambda c: c.median(quantity), default=None)
 
 
-def tiles(results, old, changes):
+def tiles(results: Results, old: Results | None, changes: list[Change]) -> list[Tile]:
     result = []
     for deformation in ("plastic", "elastic"):
         fastest = best(
@@ -141,7 +152,7 @@ def tiles(results, old, changes):
             result.append(
                 Tile(
                     f"Fastest {deformation}, 1 thread",
-                    f"{number(fastest.value('rate') / 1e6, 3)} M/s",
+                    f"{number(fastest.median('rate') / 1e6, 3)} M/s",
                     f"particle-steps; {fastest['solver']}, {fastest['precision']}, {number(fastest['particles'])}",
                     target="speed",
                     command=fastest.command,
@@ -251,11 +262,11 @@ def tiles(results, old, changes):
     return result
 
 
-def shortened(text, most=130):
+def shortened(text: str, most: int = 130) -> str:
     return text if len(text) <= most else text[:most].rsplit(" ", 1)[0] + " …"
 
 
-def look_at(results, changes, broken):
+def look_at(results: Results, changes: list[Change], broken: list[Case]) -> list[tuple[str, str]]:
     """The few things that deserve a reader's minute."""
     found = []
     asked = max((int(s.get("cases_asked_for", 0)) for s in results.sessions), default=0)
@@ -330,7 +341,9 @@ def look_at(results, changes, broken):
     return found[:6]
 
 
-def baseline_section(results, old, changes, broken, threshold):
+def baseline_section(
+    results: Results, old: Results, changes: list[Change], broken: list[Case], threshold: float
+) -> Section:
     section = Section(
         "baseline",
         "Against the baseline",
@@ -342,14 +355,14 @@ def baseline_section(results, old, changes, broken, threshold):
     return section
 
 
-def verification_section(results):
+def verification_section(results: Results) -> Section:
     section = Section("verification", "Verification")
     section.figures = figures.verification(results)
     section.tables = tables.verification(results) + tables.mutants(results)
     return section
 
 
-def speed_section(results):
+def speed_section(results: Results) -> Section:
     section = Section("speed", "Speed", INTRO["speed"])
     section.figures = figures.speed(results)
     section.tables = (
@@ -360,7 +373,7 @@ def speed_section(results):
     return with_intro_only_if_filled(section)
 
 
-def roofline_section(results):
+def roofline_section(results: Results) -> Section:
     section = Section("roofline", "Roofline", INTRO["roofline"])
     section.figures = figures.roofline(results)
     section.tables = tables.of_suite(
@@ -369,8 +382,14 @@ def roofline_section(results):
     return with_intro_only_if_filled(section)
 
 
-def simple(identifier, title, suite, make_figures, table_title):
-    def build_section(results):
+def simple(
+    identifier: str,
+    title: str,
+    suite: str,
+    make_figures: Callable[[Results], list[Figure]],
+    table_title: str,
+) -> Callable[[Results], Section]:
+    def build_section(results: Results) -> Section:
         section = Section(identifier, title, INTRO[suite])
         section.figures = make_figures(results)
         section.tables = tables.of_suite(results, suite, suite, table_title)
@@ -379,7 +398,7 @@ def simple(identifier, title, suite, make_figures, table_title):
     return build_section
 
 
-def with_intro_only_if_filled(section):
+def with_intro_only_if_filled(section: Section) -> Section:
     if not (section.figures or section.tables):
         section.intro = ""
     return section
@@ -400,7 +419,7 @@ float_section = simple(
 kernels_section = simple("kernels", "Kernels", "kernels", figures.kernels, "Kernels")
 
 
-def accuracy_section(results):
+def accuracy_section(results: Results) -> Section:
     section = Section("accuracy", "Run time against error", INTRO["accuracy"])
     section.figures = accuracy.figures(results)
     section.tables = (
@@ -411,20 +430,20 @@ def accuracy_section(results):
     return with_intro_only_if_filled(section)
 
 
-def implicit_section(results):
+def implicit_section(results: Results) -> Section:
     section = Section("implicit", "Semi-implicit steps", INTRO["implicit"])
     section.figures = implicit.figures(results)
     section.tables = implicit.tables(results)
     return with_intro_only_if_filled(section)
 
 
-def stress_section(results):
+def stress_section(results: Results) -> Section:
     return Section(
         "stress", "What each solver did under stress", tables=limits.stress_table(results)
     )
 
 
-def noise_section(results):
+def noise_section(results: Results) -> Section:
     section = Section("noise", "Noise of this machine")
     section.figures = figures.noise(results)
     if section.figures:
@@ -437,7 +456,7 @@ def noise_section(results):
     return section
 
 
-def facts_section(results):
+def facts_section(results: Results) -> Section:
     section = Section("facts", "Machine, build and log")
     section.tables = [
         tables.sessions(results),

@@ -1,11 +1,15 @@
 """The tables of a results page, and the few numbers that its summary quotes."""
 
 import re
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from . import results_figures as figures
+from .baseline import Change
 from .page import Code, Mark, Table, number
+from .results import Case, Results
 
 KIND = {
     "measured": "good",
@@ -21,15 +25,15 @@ KIND = {
 }
 
 
-def mark(text):
+def mark(text: str) -> Mark | str:
     return Mark(text, KIND[text]) if KIND.get(text) else text
 
 
-def of_suite(results, suite, name, title):
+def of_suite(results: Results, suite: str, name: str, title: str) -> list[Table]:
     return of_cases(results.suite(suite), name, title, f"firn bench {suite}")
 
 
-def of_cases(cases, name, title, command):
+def of_cases(cases: Sequence[Case], name: str, title: str, command: str) -> list[Table]:
     """Every case: its parameters, the median and spread of each quantity, its command."""
     cases = sorted(cases, key=lambda c: c.name)
     if not cases:
@@ -69,7 +73,7 @@ def of_cases(cases, name, title, command):
     ]
 
 
-def roofline_points(results):
+def roofline_points(results: Results) -> list[Table]:
     rows = [
         [
             c["solver"],
@@ -109,7 +113,7 @@ def roofline_points(results):
     )
 
 
-def worst_scaling(results):
+def worst_scaling(results: Results) -> tuple[float, int, str, Case] | None:
     """(speed-up, threads, who, case) where more threads bring least, from interleaved runs."""
     rows = [
         (
@@ -124,23 +128,23 @@ def worst_scaling(results):
     return min(rows, key=lambda row: row[0] / row[1], default=None)
 
 
-def size_growth(results):
+def size_growth(results: Results) -> tuple[float, str, Case] | None:
     """(cost per particle of many over that of few, who, case) where it grows most.
 
     From interleaved runs.
     """
     rows = [
-        (c.value("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c)
+        (c.median("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c)
         for c in results.suite("scaling")
         if c.value("growth") is not None
     ]
     return max(rows, key=lambda row: row[0], default=None)
 
 
-def costliest_skip(results):
+def costliest_skip(results: Results) -> tuple[float, str, str] | None:
     # A cost that the quartiles of the repetitions do not tell from none is none.
     rows = [
-        (-c.value("saved"), c["skip"], c["situation"])
+        (-c.median("saved"), c["skip"], c["situation"])
         for c in results.suite("skips")
         if c.quotable and c.quantities["saved"].quartiles[1] <= 0
     ]
@@ -148,16 +152,16 @@ def costliest_skip(results):
     return worst if worst and worst[0] > 0.02 else None
 
 
-def worst_float(results):
+def worst_float(results: Results) -> tuple[float, str] | None:
     rows = [
-        (c.value("error"), f"{c['test']}, {c['solver']}")
+        (c.median("error"), f"{c['test']}, {c['solver']}")
         for c in results.suite("float")
         if c.quotable and c["precision"] == "float"
     ]
     return max(rows, default=None)
 
 
-def busiest(results):
+def busiest(results: Results) -> tuple[float, int] | None:
     """(load average, processors) of the timing session that began under the highest load.
 
     None unless others were using the machine.
@@ -172,13 +176,13 @@ def busiest(results):
     return worst if worst and worst[0] > 0.5 * worst[1] else None
 
 
-def loop_spread(case):
+def loop_spread(case: Case) -> str:
     """(slowest − fastest) / median of the fixed loop around one case."""
     loop = case.calibration
     return f"{100 * (loop.max() - loop.min()) / np.median(loop):.2g} %" if len(loop) else ""
 
 
-def noise(results):
+def noise(results: Results) -> float | None:
     loops = [c.calibration for c in results.cases if len(c.calibration)]
     if not loops:
         return None
@@ -187,7 +191,7 @@ def noise(results):
     return float((high - low) / np.median(everything))
 
 
-def changes(changes, broken):
+def changes(changes: list[Change], broken: list[Case]) -> list[Table]:
     """What moved, open; everything that was compared, folded."""
     order = {"worse": 0, "better": 1, "drowned": 2, "same": 3}
     columns = [
@@ -202,7 +206,7 @@ def changes(changes, broken):
         "verdict",
         "measure again",
     ]
-    rows = [
+    rows: list[list[Any]] = [
         [
             c.case.suite,
             c.case.name,
@@ -235,7 +239,7 @@ def changes(changes, broken):
     ]
 
 
-def verification(results):
+def verification(results: Results) -> list[Table]:
     made = []
     for i, (subject, verdict) in enumerate(results.verify.items(), 1):
         rows = sorted(verdict["rows"], key=lambda r: (r["verdict"] == "VALID", -r["error"]))
@@ -256,7 +260,7 @@ def verification(results):
     return made
 
 
-def mutants(results):
+def mutants(results: Results) -> list[Table]:
     if not results.mutants:
         return []
     rows = sorted(results.mutants["rows"], key=lambda r: (bool(r["caught"]), r["name"]))
@@ -281,10 +285,10 @@ def mutants(results):
     ]
 
 
-def sessions(results):
+def sessions(results: Results) -> Table:
     """Facts of every session; what is as in the first one is not repeated."""
 
-    def cell(i, key):
+    def cell(i: int, key: str) -> str | None:
         value = results.sessions[i].get(key)
         value = None if value is None else str(value)
         return (
@@ -306,7 +310,7 @@ def sessions(results):
     )
 
 
-def all_cases(results):
+def all_cases(results: Results) -> Table:
     return Table(
         "cases",
         "Every case",
@@ -339,7 +343,7 @@ def all_cases(results):
     )
 
 
-def noisy(results):
+def noisy(results: Results) -> list[Table]:
     rows = [
         [c.suite, c.name, c.message, loop_spread(c), c.wall_seconds, Code(c.command)]
         for c in results.cases
@@ -361,7 +365,7 @@ def noisy(results):
     )
 
 
-def repetitions(results):
+def repetitions(results: Results) -> Table:
     rows = [
         [c.suite, c.name, key, q.units, i, float(v)]
         for c in results.cases

@@ -6,6 +6,7 @@ analytic colliders are sphere-traced through their signed distances.
 
 import copy
 import io
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,8 @@ from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 
 from .colliders import collider_distance, unit
+from .kinds import Array, Indices, Json
+from .trajectory import Frame
 
 # Compacted snow is blue, untouched snow white, loosened snow amber.
 SNOW = LinearSegmentedColormap.from_list(
@@ -29,7 +32,7 @@ SUPERSAMPLE = 2
 class Camera:
     """Looks along the thinner horizontal direction, a little from above and from the side."""
 
-    def __init__(self, scene, clouds, width, height):
+    def __init__(self, scene: Json, clouds: Sequence[Array], width: int, height: int) -> None:
         up = -np.asarray(scene.get("gravity", [0, 0, -1]), float)
         self.up = unit(up) if np.linalg.norm(up) > 0 else np.array([0.0, 0.0, 1.0])
         low = np.min([c.min(axis=0) for c in clouds], axis=0)
@@ -56,7 +59,7 @@ class Camera:
         self.middle = (corners @ self.look).mean() - self.near
         self.width, self.height = width, height
 
-    def coarse(self, factor):
+    def coarse(self, factor: int) -> "Camera":
         """The same view with `factor` times larger pixels."""
         other = copy.copy(self)
         other.width, other.height, other.pixel = (
@@ -66,13 +69,13 @@ class Camera:
         )
         return other
 
-    def project(self, x):
+    def project(self, x: Array) -> tuple[Array, Array, Array]:
         """Pixel coordinates (column, row) and depth [m] of points."""
         column = (x @ self.right - self.center[0]) / self.pixel + self.width / 2
         row = self.height / 2 - (x @ self.screen_up - self.center[1]) / self.pixel
         return column, row, x @ self.look - self.near
 
-    def rays(self):
+    def rays(self) -> Array:
         """Origin of the ray through each pixel, on the near plane: (height, width, 3)."""
         u = (np.arange(self.width) + 0.5 - self.width / 2) * self.pixel + self.center[0]
         v = (self.height / 2 - np.arange(self.height) - 0.5) * self.pixel + self.center[1]
@@ -83,7 +86,7 @@ class Camera:
         )
 
 
-def blur(image, radius):
+def blur(image: Array, radius: int) -> Array:
     """Three box passes, nearly a Gaussian."""
     for _ in range(3):
         for axis in (0, 1):
@@ -91,7 +94,7 @@ def blur(image, radius):
     return image
 
 
-def _box(image, radius, axis):
+def _box(image: Array, radius: int, axis: int) -> Array:
     n = image.shape[axis]
     padding = [(0, 0)] * image.ndim
     padding[axis] = (radius + 1, radius)
@@ -101,7 +104,7 @@ def _box(image, radius, axis):
     return (high - low) / (2 * radius + 1)
 
 
-def splat(camera, frame):
+def splat(camera: Camera, frame: Frame) -> tuple[Array, Indices, int]:
     """Depth and particle index per pixel; index −1 where there is none."""
     depth = np.full(camera.width * camera.height, np.inf)
     index = np.full(camera.width * camera.height, -1)
@@ -129,7 +132,7 @@ def splat(camera, frame):
     return depth.reshape(shape), index.reshape(shape), max(int(radius), 1)
 
 
-def trace_colliders(camera, scene, t):
+def trace_colliders(camera: Camera, scene: Json, t: float) -> tuple[Array, Array, Array]:
     """Depth [m], normal and point of the first collider surface behind each pixel."""
     shown = [c for c in scene.get("collider", []) if _visible(c, camera)]
     origin = camera.rays()
@@ -143,8 +146,7 @@ def trace_colliders(camera, scene, t):
         e = 0.5 * camera.pixel
         n = np.stack(
             [
-                collider_distance(collider, point + e * axis, t)
-                - collider_distance(collider, point - e * axis, t)
+                _phi(collider, point + e * axis, t) - _phi(collider, point - e * axis, t)
                 for axis in np.eye(3)
             ],
             axis=-1,
@@ -153,12 +155,19 @@ def trace_colliders(camera, scene, t):
     return depth, normal, origin + np.where(np.isfinite(depth), depth, 0)[..., None] * camera.look
 
 
-def _trace(collider, origin, camera, t):
+def _phi(collider: Json, x: Array, t: float) -> Array:
+    """φ(x) at time t of a collider that _visible() let through: its shape is analytic."""
+    phi = collider_distance(collider, x, t)
+    assert phi is not None
+    return phi
+
+
+def _trace(collider: Json, origin: Array, camera: Camera, t: float) -> Array:
     """Depth of one collider along every ray, infinite where the ray misses."""
-    start = collider_distance(collider, origin, t)
+    start = _phi(collider, origin, t)
     if collider["shape"]["type"] == "half-space":
         # φ is linear along a ray: one exact step.
-        slope = start - collider_distance(collider, origin + camera.look, t)
+        slope = start - _phi(collider, origin + camera.look, t)
         return np.where(
             slope > 1e-9, np.maximum(start, 0) / np.where(slope > 1e-9, slope, 1), np.inf
         )
@@ -166,26 +175,26 @@ def _trace(collider, origin, camera, t):
     depth = np.full(start.shape, 0.0)
     active = np.ones(start.shape, bool)
     for _ in range(60):
-        phi = collider_distance(collider, origin[active] + depth[active][:, None] * camera.look, t)
+        phi = _phi(collider, origin[active] + depth[active][:, None] * camera.look, t)
         depth[active] += np.maximum(phi, 0)
         going = (phi > 0.02 * camera.pixel) & (depth[active] < far)
         active[active] = going
         if not active.any():
             return np.where(depth < far, depth, np.inf)
     # Rays still under way graze a rim: they hit only what they have come within a pixel of.
-    phi = collider_distance(collider, origin + depth[..., None] * camera.look, t)
+    phi = _phi(collider, origin + depth[..., None] * camera.look, t)
     return np.where((depth < far) & (phi < camera.pixel), depth, np.inf)
 
 
-def _visible(collider, camera):
+def _visible(collider: Json, camera: Camera) -> bool:
     """Containers and walls between the camera and the snow would hide it."""
     shape = collider["shape"]
     if collider.get("inside", False) or shape["type"] in ("mesh", "level-set"):
         return False
-    return shape["type"] != "half-space" or unit(shape["normal"]) @ camera.look < -0.05
+    return shape["type"] != "half-space" or bool(unit(shape["normal"]) @ camera.look < -0.05)
 
 
-def shadow(camera, frame, point):
+def shadow(camera: Camera, frame: Frame, point: Array) -> Array:
     """Share of light that reaches `point`: particles counted in columns along the light."""
     a = unit(np.cross(LIGHT, [0.0, 1.0, 0.0]))
     b = np.cross(LIGHT, a)
@@ -203,7 +212,7 @@ def shadow(camera, frame, point):
     )
 
 
-def render(scene, frame, camera, norm):
+def render(scene: Json, frame: Frame, camera: Camera, norm: LogNorm) -> Array:
     """One frame as an RGB image (height, width, 3) in [0, 1]."""
     rows = np.linspace(0, 1, camera.height)[:, None, None]
     image = np.broadcast_to(
@@ -230,9 +239,9 @@ def render(scene, frame, camera, norm):
     weight = np.maximum(blur(snow.astype(float), radius), 1e-9)
     smooth = blur(filled, radius) / weight
     wide = blur(filled, 5 * radius) / np.maximum(blur(snow.astype(float), 5 * radius), 1e-9)
-    slope_row, slope_column = np.gradient(
-        0.75 * smooth + 0.25 * np.where(snow, depth, smooth), camera.pixel
-    )
+    surface = 0.75 * smooth + 0.25 * np.where(snow, depth, smooth)
+    slope_row: Array = np.gradient(surface, camera.pixel, axis=0)
+    slope_column: Array = np.gradient(surface, camera.pixel, axis=1)
     normal = (
         slope_column[..., None] * camera.right
         - slope_row[..., None] * camera.screen_up
@@ -246,12 +255,12 @@ def render(scene, frame, camera, norm):
     return np.where(snow[..., None], np.clip(colour * light[..., None], 0, 1), image)
 
 
-def downsample(image, factor):
+def downsample(image: Array, factor: int) -> Array:
     h, w = image.shape[0] // factor, image.shape[1] // factor
     return image[: h * factor, : w * factor].reshape(h, factor, w, factor, 3).mean(axis=(1, 3))
 
 
-def with_volumes(frames):
+def with_volumes(frames: Sequence[Frame]) -> list[Frame]:
     """The frames, each with volumes: a frame before the first step gets those of a later one.
 
     A volume of 0 says "not known yet".
@@ -265,7 +274,7 @@ def with_volumes(frames):
     ]
 
 
-def picture(scene, frames, width=1500, height=560):
+def picture(scene: Json, frames: Sequence[Frame], width: int = 1500, height: int = 560) -> bytes:
     """The frames side by side with their times and the scale of J_P, as PNG bytes."""
     frames = with_volumes(frames)
     across = width // len(frames)
@@ -278,9 +287,10 @@ def picture(scene, frames, width=1500, height=560):
         [downsample(render(scene, f, camera, norm), SUPERSAMPLE) for f in frames], axis=1
     )
 
-    figure = Figure(figsize=(image.shape[1] / 100, image.shape[0] / 100), dpi=100, layout="none")
+    figure = Figure(figsize=(image.shape[1] / 100, image.shape[0] / 100), dpi=100)
+    figure.set_layout_engine("none")
     FigureCanvasAgg(figure)
-    axes = figure.add_axes([0, 0, 1, 1])
+    axes = figure.add_axes((0, 0, 1, 1))
     axes.imshow(np.clip(image, 0, 1), interpolation="none", aspect="auto")
     axes.axis("off")
     for i, frame in enumerate(frames):
@@ -293,7 +303,7 @@ def picture(scene, frames, width=1500, height=560):
         )
         if i:
             axes.axvline(i * across - 0.5, color="white", alpha=0.25, linewidth=1)
-    bar = figure.add_axes([0.80, 0.925, 0.17, 0.025])
+    bar = figure.add_axes((0.80, 0.925, 0.17, 0.025))
     bar.imshow(
         np.linspace(0, 1, 256)[None, :],
         cmap=SNOW,

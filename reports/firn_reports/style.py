@@ -3,11 +3,15 @@
 import io
 import itertools
 import re
+from typing import Any
 
 import matplotlib
+from cycler import cycler
 
 matplotlib.use("svg")
 from matplotlib import pyplot as plt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 # Every colour that a figure may use. The SVG text gets `var(--name, #hex)` in
@@ -47,7 +51,7 @@ matplotlib.rcParams.update(
         "legend.frameon": False,
         "legend.fontsize": 8.5,
         "lines.markersize": 4.5,
-        "axes.prop_cycle": matplotlib.cycler(color=SERIES),
+        "axes.prop_cycle": cycler(color=SERIES),
         "figure.constrained_layout.use": True,
         "axes.formatter.useoffset": False,
         "axes.formatter.limits": (-3, 4),
@@ -56,7 +60,7 @@ matplotlib.rcParams.update(
 )
 
 
-def panel(width=4.6, height=3.1):
+def panel(width: float = 4.6, height: float = 3.1) -> tuple[Figure, Axes]:
     """A new figure with one axes; a page sets panels side by side and lets them wrap."""
     figure, axes = plt.subplots(figsize=(width, height))
     figure.patch.set_alpha(0)
@@ -64,7 +68,7 @@ def panel(width=4.6, height=3.1):
     return figure, axes
 
 
-def log_axis(axes, which, base=10):
+def log_axis(axes: Axes, which: str, base: float = 10) -> None:
     """A logarithmic axis with plain-text tick labels (1e-3, not a formula)."""
     getattr(axes, f"set_{which}scale")("log", base=base)
     axis = getattr(axes, f"{which}axis")
@@ -78,19 +82,21 @@ def log_axis(axes, which, base=10):
         axis.set_major_locator(LogLocator(base=10, subs=(1, 2, 5), numticks=12))
 
 
-def plain(value):
+def plain(value: float) -> str:
     """Short decimal text: 1000, 0.01, 1e-9."""
     if value == 0 or 1e-3 <= abs(value) < 1e5:
         return f"{value:.{5 if abs(value) >= 1e4 else 4}g}"
     return re.sub(r"e([+-])0*(\d)", lambda m: "e" + m[1].replace("+", "") + m[2], f"{value:.3g}")
 
 
-def legend(axes, **options):
+def legend(axes: Axes, **options: Any) -> None:
     """Legend above the axes, where it covers no data."""
     handles, labels = axes.get_legend_handles_labels()
     if handles:
         # A label of n characters takes about 0.065 n inches, the handle beside it 0.45.
-        room = axes.figure.get_figwidth() / (0.45 + 0.065 * max(len(label) for label in labels))
+        figure = axes.figure
+        assert isinstance(figure, Figure)
+        room = figure.get_figwidth() / (0.45 + 0.065 * max(len(label) for label in labels))
         columns = max(1, min(options.pop("ncols", 3), len(labels), int(room)))
         axes.legend(
             handles,
@@ -109,7 +115,7 @@ def legend(axes, **options):
 _serials = itertools.count(1)
 
 
-def to_svg(figure):
+def to_svg(figure: Figure) -> str:
     """The figure as an <svg> element for the page; closes the figure."""
     buffer = io.StringIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
@@ -117,7 +123,7 @@ def to_svg(figure):
     return inline_svg(buffer.getvalue(), f"f{next(_serials)}-")
 
 
-def inline_svg(text, prefix):
+def inline_svg(text: str, prefix: str) -> str:
     """Strips the XML prologue, makes ids unique on the page, and hands colours to CSS."""
     svg = text[text.index("<svg") :]
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)

@@ -8,6 +8,7 @@ import h5py
 import numpy as np
 
 from . import InputError
+from .kinds import Array, Json
 
 DIAGNOSTICS = [
     "time",
@@ -27,7 +28,7 @@ DIAGNOSTICS = [
 ]
 
 
-def text_attribute(node, name, default=""):
+def text_attribute(node: h5py.HLObject, name: str, default: str = "") -> str:
     value = node.attrs.get(name, default)
     return value.decode() if isinstance(value, bytes) else str(value)
 
@@ -35,29 +36,29 @@ def text_attribute(node, name, default=""):
 @dataclass
 class Frame:
     time: float
-    x: np.ndarray  # (N,3) m
-    v: np.ndarray  # (N,3) m/s
-    m: np.ndarray  # (N,) kg
-    volume: np.ndarray  # (N,) m³
-    J_P: np.ndarray  # (N,) det F_P
+    x: Array  # (N,3) m
+    v: Array  # (N,3) m/s
+    m: Array  # (N,) kg
+    volume: Array  # (N,) m³
+    J_P: Array  # (N,) det F_P
 
 
 @dataclass
 class Trajectory:
     path: Path
-    facts: dict = field(default_factory=dict)  # attributes of /firn, as text
-    scene: dict = field(default_factory=dict)  # the resolved TOML
-    times: np.ndarray = None  # of the frames [s]
-    diagnostics: dict = field(default_factory=dict)  # name -> array, one row per step
-    units: dict = field(default_factory=dict)  # name -> text
+    times: Array  # of the frames [s]
+    facts: dict[str, str] = field(default_factory=dict)  # attributes of /firn
+    scene: Json = field(default_factory=dict)  # the resolved TOML
+    diagnostics: dict[str, Array] = field(default_factory=dict)  # by name, one row per step
+    units: dict[str, str] = field(default_factory=dict)  # by name
     particles: int = 0
 
     @property
-    def steps(self):
+    def steps(self) -> int:
         """Rows with Δt > 0: a row of the initial state is no step."""
         return int(np.count_nonzero(self.diagnostics["dt"] > 0))
 
-    def frame(self, index):
+    def frame(self, index: int) -> Frame:
         """Reads one frame; negative indices count from the end."""
         index = range(len(self.times))[index]
         with h5py.File(self.path) as file:
@@ -77,12 +78,12 @@ class Trajectory:
             )
 
 
-def _part(vtk, index):
+def _part(vtk: h5py.Group, index: int) -> int:
     offsets = vtk.get("Steps/PartOffsets")
     return int(offsets[index]) if offsets is not None else index
 
 
-def read(path):
+def read(path: str | Path) -> Trajectory:
     """Reads everything but the particles, which frame() fetches one frame at a time."""
     path = Path(path)
     with h5py.File(path) as file:
@@ -92,7 +93,7 @@ def read(path):
             frames = int(vtk["Steps"].attrs["NSteps"])
             table = firn["diagnostics"]
             rows = int(table.attrs["rows"])
-            trajectory = Trajectory(path, times=vtk["Steps/Values"][:frames].astype(float))
+            trajectory = Trajectory(path, vtk["Steps/Values"][:frames].astype(float))
             for name in DIAGNOSTICS:
                 trajectory.diagnostics[name] = table[name][:rows].astype(float)
                 trajectory.units[name] = text_attribute(table[name], "units")

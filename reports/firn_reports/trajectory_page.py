@@ -1,11 +1,16 @@
 """The page of one trajectory: what happened, and whether the laws that must hold did."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from . import check as checks_json, snowball
+from .check import Check
 from .colliders import free_flight_reach
+from .kinds import Array, Mask
 from .page import Figure, Mark, Page, Section, Table, Tile, number
 from .style import MUTED, legend, log_axis, panel, to_svg
+from .trajectory import Frame, Trajectory
 
 AXES = "xyz"
 
@@ -18,7 +23,7 @@ class Laws:
     and 10). Both hold for any internal state and any FLIP fraction.
     """
 
-    def __init__(self, trajectory, first):
+    def __init__(self, trajectory: Trajectory, first: Frame) -> None:
         d = trajectory.diagnostics
         g = np.asarray(trajectory.scene.get("gravity", [0, 0, 0]), float)
         mass = first.m.sum()
@@ -45,7 +50,16 @@ class Laws:
         self.free = travelled < reach if self.known else np.zeros(len(elapsed), bool)
 
 
-def series(trajectory, names, ylabel, title, caption="", labels=None, log=False, flight=None):
+def series(
+    trajectory: Trajectory,
+    names: Sequence[str | Array],
+    ylabel: str,
+    title: str,
+    caption: str = "",
+    labels: Sequence[str | None] | None = None,
+    log: bool = False,
+    flight: Mask | None = None,
+) -> Figure:
     figure, axes = panel()
     t = trajectory.diagnostics["time"]
     for label, name in zip(
@@ -64,7 +78,7 @@ def series(trajectory, names, ylabel, title, caption="", labels=None, log=False,
     return Figure(title, to_svg(figure), caption=caption)
 
 
-def chosen_frames(trajectory, laws):
+def chosen_frames(trajectory: Trajectory, laws: Laws) -> list[int]:
     """First, last, and one amid what happens: halfway from the end of free flight to the end."""
     count = len(trajectory.times)
     if count < 3:
@@ -75,7 +89,7 @@ def chosen_frames(trajectory, laws):
     return [0, int(np.clip(np.argmin(abs(trajectory.times - middle)), 1, count - 2)), count - 1]
 
 
-def build(trajectory, checks, command=""):
+def build(trajectory: Trajectory, checks: list[Check], command: str = "") -> tuple[Page, bytes]:
     first = trajectory.frame(0)
     laws = Laws(trajectory, first)
     facts = trajectory.facts
@@ -112,7 +126,7 @@ def build(trajectory, checks, command=""):
     return page, png
 
 
-def set_verdict(page, checks):
+def set_verdict(page: Page, checks: list[Check]) -> None:
     if not checks:
         page.verdict, page.sentence = (
             Mark("not checked", "warn"),
@@ -124,7 +138,7 @@ def set_verdict(page, checks):
     page.sentence = "; ".join(checks_json.sentence(c) for c in (bad or checks))
 
 
-def run_command(trajectory):
+def run_command(trajectory: Trajectory) -> str:
     facts = trajectory.facts
     if facts.get("command"):
         return facts["command"]
@@ -135,7 +149,7 @@ def run_command(trajectory):
     )
 
 
-def tiles(trajectory, laws, checks):
+def tiles(trajectory: Trajectory, laws: Laws, checks: list[Check]) -> list[Tile]:
     d = trajectory.diagnostics
     energy = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
     result = [
@@ -190,7 +204,7 @@ def tiles(trajectory, laws, checks):
     return result
 
 
-def physics(trajectory, laws, run):
+def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
     d = trajectory.diagnostics
     total = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
     free = laws.free if laws.known else None
@@ -268,7 +282,7 @@ def physics(trajectory, laws, run):
     )
 
 
-def fact_table(trajectory, run):
+def fact_table(trajectory: Trajectory, run: str) -> Table:
     rows = [
         ["particles", number(trajectory.particles)],
         ["steps", number(trajectory.steps)],
@@ -283,7 +297,7 @@ def fact_table(trajectory, run):
     return Table("facts", "Run", ["fact", "value"], rows, command=run, open=True)
 
 
-def diagnostics_table(trajectory, run, most=400):
+def diagnostics_table(trajectory: Trajectory, run: str, most: int = 400) -> Table:
     """Every step, or evenly chosen rows of a long run."""
     d = trajectory.diagnostics
     rows = np.unique(np.linspace(0, len(d["time"]) - 1, min(len(d["time"]), most)).astype(int))

@@ -8,7 +8,7 @@ from firn_reports import InputError
 from . import lesson, pages
 
 
-def main(arguments=None):
+def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         "firn teach", description="The pages of a lesson from its lesson.json."
     )

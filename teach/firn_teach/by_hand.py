@@ -5,10 +5,14 @@ what it computes from the lesson's own numbers and what the reference computed.
 """
 
 import inspect
+from types import SimpleNamespace
 
 import numpy as np
 
+from firn_reports.kinds import Array
+
 from . import STAGES
+from .lesson import Lesson
 
 
 def N(x):
@@ -117,15 +121,15 @@ def positions(scene, s, p, i, lesson):
     return {"x_p": np.where(period > 0, wrapped, x)}
 
 
-def code(stage):
+def code(stage: int) -> str:
     return inspect.getsource(globals()[STAGES[stage - 1]])
 
 
-def helpers():
+def helpers() -> str:
     return "\n\n".join(inspect.getsource(f).rstrip() for f in (N, dN, weights, collide)) + "\n"
 
 
-def size(lesson, stage, s, reference):
+def size(lesson: Lesson, stage: int, s: SimpleNamespace, reference: Array) -> float:
     """The largest number that enters a result: what its rounding errors are small against."""
     largest = np.max(np.abs(reference))
     if stage == 3:  # F_E − R_E cancels: what is left may be as small as the rounding of F_E itself
@@ -136,7 +140,7 @@ def size(lesson, stage, s, reference):
     return largest if largest > 0 else 1
 
 
-def run(lesson, stage):
+def run(lesson: Lesson, stage: int) -> list[tuple[str, Array, Array, float]]:
     """Rows (field, NumPy's value, the reference's value, largest difference over size())."""
     if stage == 6 and lesson.scene.semi_implicit:
         return []

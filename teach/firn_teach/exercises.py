@@ -1,8 +1,12 @@
 """Planted bugs, and parameters to play with. What the answers measure is run by measured.py."""
 
 import itertools
+from collections.abc import Iterable
+
+from firn_reports.kinds import Json
 
 from . import STAGES
+from .lesson import Lesson
 
 # Mutant -> what the learner is asked and told. Mistake, origin and stage come from the mutant.
 BUGS = {
@@ -69,13 +73,13 @@ BUGS = {
 }
 
 
-def check_command(number, scene):
+def check_command(number: int, scene: str) -> str:
     if scene == "tiny_impact":
         return f"firn check tiny_impact --start-step 75 --steps 1 --solver exercise:{number}"
     return f"firn check {scene} --start-step 12 --steps 1 --solver exercise:{number}"
 
 
-def bugs(lesson):
+def bugs(lesson: Lesson) -> list[Json]:
     """One dictionary per exercise; `measured` fills in what the check says."""
     result = []
     for number, exercise in enumerate(lesson.data["exercises"], 1):
@@ -94,17 +98,17 @@ def bugs(lesson):
     return result
 
 
-def scene_command(edit, options=""):
+def scene_command(edit: str, options: str = "") -> str:
     return f"firn scenes --show tiny_impact | sed '{edit}' > mine.toml && firn run mine.toml {options}--json".replace(
         "  ", " "
     )
 
 
-def simple(key, value, options=""):
+def simple(key: str, value: str, options: str = "") -> str:
     return scene_command(f"s/^{key} = .*/{key} = {value}/", options)
 
 
-def semi_implicit(beta, dt="3e-3"):
+def semi_implicit(beta: str, dt: str = "3e-3") -> str:
     edit = (
         f"s/^step = .*/step = {dt}/; "
         f's/^type = "explicit"/type = "semi-implicit"\\nimplicitness = {beta}\\ntolerance = 1e-6\\nmax_iterations = 500/'
@@ -121,7 +125,7 @@ NODES = ("grid nodes", lambda r: r["diagnostics"]["grid_nodes"])
 STATUS = ("run", lambda r: r["status"])
 ITERATIONS = ("iterations of the last solve", lambda r: r["diagnostics"]["solver_iterations"])
 
-PARAMETERS = [
+PARAMETERS: list[Json] = [
     {
         "id": "alpha",
         "title": "α, the share of FLIP",
@@ -191,11 +195,11 @@ PARAMETERS = [
 ]
 
 
-def parameter_commands():
+def parameter_commands() -> list[str]:
     return [task["command"](value) for task in PARAMETERS for value in task["values"]]
 
 
-def parameters(results):
+def parameters(results: Iterable[Json]) -> list[Json]:
     """The tasks with their measured tables; `results` in the order of parameter_commands()."""
     results = iter(results)
     tasks = []

@@ -6,7 +6,7 @@ from pathlib import Path
 HOW_TO = "./run teach"
 
 
-def values(web_module):
+def values(web_module: str) -> dict[str, str]:
     """Without the module the page says how to get it."""
     templates = resources.files("firn_teach").joinpath("templates")
     module = Path(web_module) if web_module else None

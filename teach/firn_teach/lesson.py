@@ -1,10 +1,13 @@
 """lesson.json as arrays: the state before the step, and each field as the stages wrote it."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from firn_reports import InputError, json_file
+from firn_reports.kinds import Array, Json
 
 from . import STAGES
 
@@ -31,7 +34,7 @@ class Record:
     Stage 0 is before the step.
     """
 
-    def __init__(self, data):
+    def __init__(self, data: Json) -> None:
         self.step, self.time, self.dt, self.dt_bound = (
             data["step"],
             data["time"],
@@ -53,15 +56,15 @@ class Record:
                     fields[field] = array(values)
             self._states.append(dict(fields))
 
-    def at(self, stage):
+    def at(self, stage: int) -> SimpleNamespace:
         return SimpleNamespace(**self._states[stage])
 
-    def has(self, stage, field):
+    def has(self, stage: int, field: str) -> bool:
         return field in self._states[stage]
 
 
 class Lesson:
-    def __init__(self, data):
+    def __init__(self, data: Json) -> None:
         self.data = data
         self.scene = SimpleNamespace(**data["scene"])
         self.scene.gravity, self.scene.origin = array(self.scene.gravity), array(self.scene.origin)
@@ -72,18 +75,18 @@ class Lesson:
         self.argument = data["argument"]
 
     @property
-    def particle_name(self):
+    def particle_name(self) -> str:
         return f"particle {self.record.id[self.p]}"
 
     @property
-    def node_name(self):
+    def node_name(self) -> str:
         return f"node ({', '.join(str(n) for n in self.record.nodes[self.i])})"
 
-    def record_of(self, stage):
+    def record_of(self, stage: int) -> Record:
         """Stage 2 acts in the first step only: its page shows that one."""
         return self.first if stage == 2 else self.record
 
-    def material(self, record=None):
+    def material(self, record: Record | None = None) -> SimpleNamespace:
         """One row of parameters per particle."""
         rows = [
             {
@@ -98,11 +101,11 @@ class Lesson:
         return SimpleNamespace(**{key: np.array([row[key] for row in rows])[which] for key in keys})
 
 
-def array(values):
+def array(values: ArrayLike) -> Array:
     return np.array(values, dtype=float)
 
 
-def read(path):
+def read(path: str | Path) -> Lesson:
     data = json_file.read(path)
     if (
         not isinstance(data, dict)

@@ -44,7 +44,7 @@ MACROS = {
 ALPHABETS = [(0x1D400, "A"), (0x1D41A, "a")]
 
 
-def _bold(match):
+def _bold(match: re.Match[str]) -> str:
     letter = match[1]
     for start, first in ALPHABETS:
         if 0 <= ord(letter) - start < 26:
@@ -52,7 +52,7 @@ def _bold(match):
     return f'<mi mathvariant="normal" class="b">{letter}</mi>'
 
 
-def formula(tex, display=False):
+def formula(tex: str, display: bool = False) -> str:
     for _ in range(2):  # macros may stand for macros
         tex = re.sub(r"\\[A-Za-z]+", lambda m: MACROS.get(m[0], m[0]), tex)
     text = convert(tex, display="block" if display else "inline")
@@ -66,7 +66,7 @@ def formula(tex, display=False):
     )
 
 
-def render(text):
+def render(text: str) -> str:
     """HTML with its formulas converted."""
     text = re.sub(
         r"\$\$(.+?)\$\$",

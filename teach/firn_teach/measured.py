@@ -4,11 +4,14 @@ import json
 import os
 import subprocess
 import tempfile
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from firn_reports.kinds import Json
 
-def run(command, program):
+
+def run(command: str, program: str) -> Json:
     """What a shell command that ends in a `firn … --json` prints, parsed.
 
     Its exit status stands under "exit". Raises RuntimeError if it printed no JSON.
@@ -33,7 +36,7 @@ def run(command, program):
         ) from None
 
 
-def run_all(commands, program):
+def run_all(commands: Iterable[str], program: str) -> list[Json]:
     """In the order of `commands`; two at a time."""
     with ThreadPoolExecutor(max_workers=2) as pool:
         return list(pool.map(lambda command: run(command, program), commands))

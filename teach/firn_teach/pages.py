@@ -1,13 +1,18 @@
 """Which page has what, and writing them: each is one HTML file that needs nothing else."""
 
 import itertools
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
+import jinja2
 import numpy as np
+from numpy.typing import ArrayLike
 
 from firn_reports import page as reports
+from firn_reports.kinds import Array, Json
 
 from . import (
     STAGES,
@@ -20,6 +25,7 @@ from . import (
     pictures,
     source,
 )
+from .lesson import Lesson
 
 STAGE_FILES = [f"{n:02d}_{name}.html" for n, name in enumerate(STAGES, 1)]
 EXTRAS = ["svd", "semi_implicit", "optimized", "exercises", "interactive"]
@@ -37,8 +43,8 @@ class Chapter:
     text: str = ""
     optimized: str = ""
     stage: int = 0
-    previous: tuple = None
-    next: tuple = None
+    previous: tuple[str, str] | None = None  # (page, title)
+    next: tuple[str, str] | None = None
 
 
 @dataclass
@@ -48,7 +54,7 @@ class Section(reports.Section):
     sources: list[source.File] = field(default_factory=list)
 
 
-def chapter(file, page):
+def chapter(file: str, page: str) -> Chapter:
     head, *parts = (
         resources.files("firn_teach")
         .joinpath("chapters", file)
@@ -62,7 +68,7 @@ def chapter(file, page):
     )
 
 
-def chapters():
+def chapters() -> list[Chapter]:
     """All pages but the index, in reading order, each with its neighbours."""
     pages = []
     for n, name in enumerate(STAGE_FILES, 1):
@@ -75,7 +81,7 @@ def chapters():
     return pages
 
 
-def components(value):
+def components(value: ArrayLike) -> list[tuple[str, float]]:
     value = np.atleast_1d(value)
     if value.shape == (3,):
         return list(zip("xyz", value, strict=True))
@@ -84,7 +90,7 @@ def components(value):
     return [("", value[0])]
 
 
-def number_rows(lesson, stage, of_node):
+def number_rows(lesson: Lesson, stage: int, of_node: bool) -> list[Json]:
     """The fields that a stage writes, before and after, for the chosen node or particle."""
     record, rows = lesson.record_of(stage), []
     index = lesson.i if of_node else lesson.p
@@ -92,9 +98,9 @@ def number_rows(lesson, stage, of_node):
         if (name in lesson_file.NODE_FIELDS) != of_node or not record.has(stage, name):
             continue
         after = components(getattr(record.at(stage), name)[index])
-        before = [("", None)] * len(after)
+        before: list[tuple[str, float | None]] = [("", None)] * len(after)
         if record.has(stage - 1, name):
-            before = components(getattr(record.at(stage - 1), name)[index])
+            before[:] = components(getattr(record.at(stage - 1), name)[index])
         label = (LABELS | {"V_p0": "V_p0 (0: not known yet)"}).get(name, name)
         rows.append(
             {
@@ -126,7 +132,7 @@ READS = {
 LABELS = {"v_i_star": "v_i*", "v_i_new": "v_i at n+1"}
 
 
-def read_rows(lesson, stage):
+def read_rows(lesson: Lesson, stage: int) -> list[tuple[str, str, str, list[tuple[str, str]]]]:
     """Inputs as they stand before the stage, and the pair's own weight.
 
     Rows (owner, label, units, components).
@@ -156,7 +162,7 @@ def read_rows(lesson, stage):
     return rows
 
 
-def check_rows(lesson, stage):
+def check_rows(lesson: Lesson, stage: int) -> list[Json]:
     """What the check found for the fields that this stage wrote."""
     rows = []
     for check in lesson.checks:
@@ -177,11 +183,11 @@ def check_rows(lesson, stage):
     return rows
 
 
-def check_command(lesson):
+def check_command(lesson: Lesson) -> str:
     return f"firn check {lesson.argument} --start-step {lesson.record.step} --steps 1 --precision double"
 
 
-def stage_values(lesson, page):
+def stage_values(lesson: Lesson, page: Chapter) -> Json:
     stage = page.stage
     record = lesson.record_of(stage)
     hand = by_hand.run(lesson, stage)
@@ -214,17 +220,17 @@ def stage_values(lesson, page):
     }
 
 
-def matrix_rows(name, matrix):
+def matrix_rows(name: str, matrix: Array) -> list[list[str]]:
     return [
         [name if r == 1 else ""] + [repr(float(x)) for x in row] for r, row in enumerate(matrix)
     ]
 
 
-def table(columns, rows, title=""):
+def table(columns: list[str], rows: list[list[Any]], title: str = "") -> reports.Table:
     return reports.Table("", title, columns, rows)
 
 
-def svd_sections(lesson):
+def svd_sections(lesson: Lesson) -> list[Section]:
     d = {k: np.array(v) for k, v in lesson.data["decomposition"].items()}
     F, eps = d["F_E_hat"], 2.0**-52
     numbers = [
@@ -278,7 +284,7 @@ def svd_sections(lesson):
     ]
 
 
-def jacobi(F):
+def jacobi(F: Array) -> list[list[Any]]:
     """Rows: sweep, largest cosine between columns, their lengths."""
     B, rows = F.copy(), []
     for sweep in range(8):
@@ -298,8 +304,8 @@ def jacobi(F):
     return rows
 
 
-def implicit_sections(lesson):
-    def energy(t, which):
+def implicit_sections(lesson: Lesson) -> list[Section]:
+    def energy(t: Json, which: str) -> float | str:
         if t[f"{which}_error"]:
             return "failed"
         return sum(float(t[which][k]) for k in ("kinetic_energy", "elastic_energy"))
@@ -383,7 +389,7 @@ def implicit_sections(lesson):
     ]
 
 
-def optimized_sections(lesson, pages):
+def optimized_sections(lesson: Lesson, pages: list[Chapter]) -> list[Section]:
     sections = []
     for check in lesson.checks:
         kind = ", semi-implicit" if check["semi_implicit"] else ""
@@ -445,7 +451,7 @@ def optimized_sections(lesson, pages):
     return sections
 
 
-def balance(lesson):
+def balance(lesson: Lesson) -> list[tuple[str, str, str]]:
     b, a = lesson.data["diagnostics"]["before"], lesson.data["diagnostics"]["after"]
     rows = [("mass [kg]", repr(b["mass"]), repr(a["mass"]))]
     rows += [
@@ -459,12 +465,12 @@ def balance(lesson):
     return rows
 
 
-def clause(sentence):
+def clause(sentence: str) -> str:
     """For use after a colon."""
     return sentence[0].lower() + sentence[1:].rstrip(".")
 
 
-def index_values(lesson, pages):
+def index_values(lesson: Lesson, pages: list[Chapter]) -> Json:
     record = lesson.record
     return {
         "scene_name": lesson.scene.name,
@@ -485,7 +491,7 @@ def index_values(lesson, pages):
     }
 
 
-def exercise_values(lesson, program):
+def exercise_values(lesson: Lesson, program: str) -> Json:
     bugs = exercises.bugs(lesson)
     commands = [bug["command"] + " --json" for bug in bugs] + exercises.parameter_commands()
     results = measured.run_all(commands, program)
@@ -494,7 +500,7 @@ def exercise_values(lesson, program):
     return {"bugs": bugs, "parameters": exercises.parameters(results[len(bugs) :])}
 
 
-def environment():
+def environment() -> jinja2.Environment:
     """Jinja2 for the templates of a lesson, with the style sheet of all pages."""
     result = reports.environment("firn_teach")
     own = resources.files("firn_teach").joinpath("templates/lesson.css").read_text("utf-8")
@@ -502,7 +508,7 @@ def environment():
     return result
 
 
-def write(lesson, directory, web_module=""):
+def write(lesson: Lesson, directory: str | Path, web_module: str = "") -> Path:
     """All pages into the folder; returns the path of the first."""
     directory, env, pages = Path(directory), environment(), chapters()
     directory.mkdir(parents=True, exist_ok=True)
@@ -518,7 +524,7 @@ def write(lesson, directory, web_module=""):
         f"{lesson.scene.name}: the ten stages on real numbers.",
         next=(pages[0].name, pages[0].title),
     )
-    values = {
+    values: dict[str, tuple[str, Callable[[Chapter], Json]]] = {
         "svd.html": ("extra", lambda p: {"text": p.text, "sections": svd_sections(lesson)}),
         "semi_implicit.html": (
             "extra",

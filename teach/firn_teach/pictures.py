@@ -5,11 +5,16 @@ a ring marks the chosen particle, a square the chosen node.
 """
 
 import numpy as np
+from matplotlib import figure as mpl
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
 
+from firn_reports.kinds import Array, Json, Mask
 from firn_reports.page import Figure
 from firn_reports.style import BAD, GRID, INK, MUTED, SERIES, legend, log_axis, panel, to_svg
 
 from .by_hand import N, dN, weights
+from .lesson import Lesson
 
 BLUE, ORANGE, GREEN, PURPLE = SERIES[:4]
 
@@ -17,7 +22,7 @@ BLUE, ORANGE, GREEN, PURPLE = SERIES[:4]
 class View:
     """The slice of one stage."""
 
-    def __init__(self, lesson, stage):
+    def __init__(self, lesson: Lesson, stage: int) -> None:
         self.lesson, self.record = lesson, lesson.record_of(stage)
         self.scene, self.h = lesson.scene, lesson.scene.h
         self.before, self.after = self.record.at(stage - 1), self.record.at(stage)
@@ -31,17 +36,17 @@ class View:
         self.x_i = self.position(self.record.nodes)
         self.own = own
 
-    def position(self, nodes):
+    def position(self, nodes: ArrayLike) -> Array:
         return self.scene.origin + self.h * np.asarray(nodes)
 
-    def start(self, width=5.2, height=4.0):
+    def start(self, width: float = 5.2, height: float = 4.0) -> tuple[mpl.Figure, Axes]:
         figure, axes = panel(width, height)
         axes.set_aspect("equal")
         axes.set_xlabel("x [m]")
         axes.set_ylabel("z [m]")
         return figure, axes
 
-    def frame(self, axes):
+    def frame(self, axes: Axes) -> None:
         """Limits, grid lines at the nodes, solid nodes, the chosen ones."""
         x, z = self.x_i[self.layer, 0], self.x_i[self.layer, 2]
         axes.set_xlim(x.min() - self.h, x.max() + self.h)
@@ -89,7 +94,15 @@ class View:
             )
         legend(axes, ncols=2)
 
-    def particles(self, axes, values=None, label="", limits=None, which=None, size=9):
+    def particles(
+        self,
+        axes: Axes,
+        values: Array | None = None,
+        label: str = "",
+        limits: tuple[float, float] | None = None,
+        which: Mask | None = None,
+        size: float = 9,
+    ) -> None:
         which = self.slice if which is None else which
         x = self.record.at(0).x_p[which]
         if values is None:
@@ -122,7 +135,16 @@ class View:
         bar.set_label(label)
         bar.outline.set_linewidth(0.5)
 
-    def arrows(self, axes, at, vectors, color, label="", scale=None, width=0.004):
+    def arrows(
+        self,
+        axes: Axes,
+        at: Array,
+        vectors: Array,
+        color: str,
+        label: str = "",
+        scale: float | None = None,
+        width: float = 0.004,
+    ) -> float:
         """Arrows in the x–z plane; returns their scale.
 
         The longest is 1.5 cells long unless `scale` says else.
@@ -144,11 +166,11 @@ class View:
         )
         return scale
 
-    def longest(self, vectors, unit):
+    def longest(self, vectors: Array, unit: str) -> str:
         return f"{np.max(np.linalg.norm(vectors, axis=1), initial=0):.3g} {unit}"
 
 
-def kernel(lesson):
+def kernel(lesson: Lesson) -> Figure:
     """N and its derivative, with the chosen particle's four weights along x."""
     figure, axes = panel(4.6, 2.9)
     x = np.linspace(-2.2, 2.2, 400)
@@ -166,7 +188,7 @@ def kernel(lesson):
     )
 
 
-def rasterize(v):
+def rasterize(v: View) -> list[Figure]:
     figure, axes = v.start()
     v.particles(axes)
     v.arrows(axes, v.before.x_p[v.slice], v.before.v_p[v.slice], BLUE, width=0.0025)
@@ -201,7 +223,7 @@ def rasterize(v):
     ]
 
 
-def volumes(v):
+def volumes(v: View) -> list[Figure]:
     density = v.after.m_p / v.after.V_p0
     figure, axes = v.start()
     v.particles(axes, density, "density ρ [kg/m³]")
@@ -237,7 +259,7 @@ def volumes(v):
     ]
 
 
-def grid_forces(v):
+def grid_forces(v: View) -> list[Figure]:
     figure, axes = v.start()
     v.particles(axes, np.linalg.det(v.before.F_E), "J_E = det F_E")
     v.arrows(axes, v.x_i[v.layer], v.after.f_i[v.layer], ORANGE)
@@ -263,7 +285,7 @@ def grid_forces(v):
     ]
 
 
-def grid_velocities(v):
+def grid_velocities(v: View) -> list[Figure]:
     figure, axes = v.start()
     scale = v.arrows(axes, v.x_i[v.layer], v.before.v_i[v.layer], MUTED, "v_i")
     v.arrows(
@@ -285,7 +307,7 @@ def grid_velocities(v):
     ]
 
 
-def grid_collisions(v):
+def grid_collisions(v: View) -> list[Figure]:
     figure, axes = v.start()
     changed = np.any(v.after.v_i_star != v.before.v_i_star, axis=1)
     scale = v.arrows(axes, v.x_i[v.layer], v.before.v_i_star[v.layer], MUTED)
@@ -314,7 +336,7 @@ def grid_collisions(v):
     ]
 
 
-def integration(v):
+def integration(v: View) -> list[Figure]:
     figure, axes = v.start()
     v.arrows(axes, v.x_i[v.layer], v.after.v_i_new[v.layer], BLUE)
     v.frame(axes)
@@ -329,11 +351,11 @@ def integration(v):
     ]
 
 
-def implicit_energy(lesson):
+def implicit_energy(lesson: Lesson) -> Figure:
     """Energy after the same time, for longer and longer steps."""
     trials = lesson.data["implicit_trials"]
 
-    def energy(t, which):
+    def energy(t: Json, which: str) -> float:
         if t[f"{which}_error"]:
             return np.inf
         values = [float(t[which][k]) for k in ("kinetic_energy", "elastic_energy")]
@@ -368,7 +390,7 @@ def implicit_energy(lesson):
     )
 
 
-def F_hat(v):
+def F_hat(v: View) -> Array:
     """F̂_E of every particle, by the formulas of by_hand."""
     result = np.empty_like(v.before.F_E)
     for p in range(len(result)):
@@ -380,13 +402,13 @@ def F_hat(v):
     return result
 
 
-def nearest(v, p):
+def nearest(v: View, p: int) -> Array:
     X = (v.before.x_p[p] - v.scene.origin) / v.h - v.record.nodes
     n = v.scene.period_nodes
     return np.where(n > 0, X - n * np.round(X / np.maximum(n, 1)), X)
 
 
-def deformation(v):
+def deformation(v: View) -> list[Figure]:
     before, after = (
         np.linalg.svd(F_hat(v), compute_uv=False),
         np.linalg.svd(v.after.F_E, compute_uv=False),
@@ -466,7 +488,7 @@ def deformation(v):
     ]
 
 
-def particle_velocities(v):
+def particle_velocities(v: View) -> list[Figure]:
     figure, axes = v.start()
     x = v.before.x_p[v.slice]
     v.particles(axes)
@@ -499,7 +521,7 @@ def particle_velocities(v):
     ]
 
 
-def particle_collisions(v):
+def particle_collisions(v: View) -> list[Figure]:
     figure, axes = v.start()
     v.particles(axes)
     change = v.after.v_p - v.before.v_p
@@ -516,7 +538,7 @@ def particle_collisions(v):
     ]
 
 
-def positions(v):
+def positions(v: View) -> list[Figure]:
     figure, axes = v.start()
     moved = v.after.x_p - v.before.x_p
     v.particles(axes)
@@ -532,5 +554,5 @@ def positions(v):
     ]
 
 
-def of_stage(lesson, stage, name):
+def of_stage(lesson: Lesson, stage: int, name: str) -> list[Figure]:
     return globals()[name](View(lesson, stage))

@@ -5,6 +5,7 @@ import html
 import re
 
 from . import STAGES
+from .lesson import Lesson
 
 CPP_WORDS = (
     "const constexpr void double int bool auto for if else return namespace struct class static inline while switch case break continue "
@@ -15,7 +16,7 @@ PYTHON_WORDS = (
 )
 
 
-def tokens(comment, directive, words):
+def tokens(comment: str, directive: str, words: str) -> re.Pattern[str]:
     keyword = r"\b(?:" + "|".join(words.split()) + r")\b"
     return re.compile(
         rf'(?P<comment>{comment}[^\n]*)|(?P<string>"(?:\\.|[^"\\\n])*")|(?P<directive>{directive})|(?P<keyword>{keyword})|(?P<number>\b\d[\w.]*(?:e[+-]\d+)?)',
@@ -27,24 +28,24 @@ CPP = tokens("//", r"^[ \t]*#[^\n]*", CPP_WORDS)
 PYTHON = tokens("#", r"^@\w+", PYTHON_WORDS)
 
 
-def highlight(text, language=CPP):
+def highlight(text: str, language: re.Pattern[str] = CPP) -> str:
     """HTML of a source with classes on tokens; the text itself is unchanged."""
     out, end = [], 0
     for match in language.finditer(text):
         out.append(html.escape(text[end : match.start()], quote=False))
         out.append(
-            f'<span class="{match.lastgroup[0]}">{html.escape(match[0], quote=False)}</span>'
+            f'<span class="{(match.lastgroup or "?")[0]}">{html.escape(match[0], quote=False)}</span>'
         )
         end = match.end()
     return "".join(out) + html.escape(text[end:], quote=False)
 
 
-def path_of(stage):
+def path_of(stage: int) -> str:
     return f"reference/step_{stage:02d}_{STAGES[stage - 1]}.cpp"
 
 
 class File:
-    def __init__(self, lesson, path):
+    def __init__(self, lesson: Lesson, path: str) -> None:
         self.path, self.text = path, lesson.sources[path]
         self.html = highlight(self.text)
         self.lines = self.text.count("\n")

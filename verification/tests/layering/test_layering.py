@@ -67,14 +67,14 @@ CASES = [
 PUBLIC = '__all__ = ["InputError", "page"]\n'
 
 
-def run(root):
+def run(root: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, str(SCRIPT), str(root)], capture_output=True, text=True, check=False
     )
 
 
 class Layering(unittest.TestCase):
-    def test_every_case(self):
+    def test_every_case(self) -> None:
         for path, line, allowed in CASES:
             with self.subTest(path=path, line=line), tempfile.TemporaryDirectory() as folder:
                 # The files meant are there, so that relative includes resolve.
@@ -92,7 +92,7 @@ class Layering(unittest.TestCase):
                 if not allowed:
                     self.assertRegex(found[0], rf"^{re.escape(path)}:2: (includes|imports) ")
 
-    def test_the_script_as_a_program(self):
+    def test_the_script_as_a_program(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             self.assertEqual(run(folder).returncode, 1, "an empty tree is not a pass")
             source = Path(folder) / "firn" / "state.cpp"

@@ -21,12 +21,12 @@ from vtkmodules.vtkIOHDF import vtkHDFReader
 ARRAYS = {"velocity": 3, "mass": 1, "volume": 1, "F_E": 9, "F_P": 9, "id": 1, "material": 1}
 
 
-def expect(condition, what):
+def expect(condition: object, what: str) -> None:
     if not condition:
         raise SystemExit(f"vtk_reads_it.py: {what}")
 
 
-def compare(path):
+def compare(path: str) -> int:
     """Reads every time step with VTK; returns how many there are."""
     with h5py.File(path, "r") as file:
         steps = file["VTKHDF/Steps"]
@@ -68,7 +68,7 @@ def compare(path):
     return frames
 
 
-def units_everywhere(path):
+def units_everywhere(path: str) -> None:
     missing = []
     with h5py.File(path, "r") as file:
         file.visititems(
@@ -81,7 +81,7 @@ def units_everywhere(path):
     expect(not missing, f"{path}: no units at {missing}")
 
 
-def main(kill_run, shim):
+def main(kill_run: str, shim: str) -> None:
     print("VTK", vtkVersion.GetVTKVersion())
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "out.vtkhdf")
