@@ -1,7 +1,6 @@
-// docs/bad_input.md is the list of cases: each is run, and must end in an
-// InputError of exactly the message that stands there, and then through the program:
-// exit status 2, that one line, nothing written. FIRN_UPDATE_DOCS=1 writes
-// the messages anew; whoever does that reads the difference.
+// docs/error_messages.md lists the cases. Each must end in an InputError with exactly the message
+// listed there; the program, given the same input, must print that one line, end with status 2
+// and write nothing. FIRN_UPDATE_DOCS=1 writes the current messages into the list: read the diff.
 
 #include <cstdlib>
 #include <filesystem>
@@ -21,7 +20,7 @@
 namespace firn {
 namespace {
 
-const std::filesystem::path document = FIRN_SOURCE_DIR "/docs/bad_input.md";
+const std::filesystem::path document = FIRN_SOURCE_DIR "/docs/error_messages.md";
 
 std::vector<std::string> read_lines(const std::filesystem::path& path) {
   std::ifstream file(path);
