@@ -148,7 +148,8 @@ std::string ChildProcess::how_it_ended() const {
     text = "killed by signal ";
     text += std::to_string(WTERMSIG(status_)) + " (" + strsignal(WTERMSIG(status_)) + ")";
   }
-  if (output_ && !output_->last_line().empty()) text += ", its last line: " + output_->last_line();
+  if (output_ && !output_->last_line().empty())
+    text += ", last line of output: " + output_->last_line();
   return text;
 }
 

@@ -75,7 +75,8 @@ std::vector<std::string> split_command(const std::string& command) {
         words.back() += c;
     }
   }
-  if (quote != 0) throw InputError("--solver", "quote", command, "as many closing as opening ones");
+  if (quote != 0)
+    throw InputError("--solver", "quote", command, "a closing quote for every opening one");
   if (words.empty())
     throw InputError("--solver", "command", "nothing", "exec:COMMAND with {in}, {out} and {steps}");
   return words;
@@ -169,10 +170,11 @@ void CommandSolver::read_output(double dt) {
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) fail("wrote no file at {out}");
   // Anything else, such as a pipe, could make its reader wait forever.
-  if (!std::filesystem::is_regular_file(status)) fail("put something at {out} that is no file");
+  if (!std::filesystem::is_regular_file(status))
+    fail("wrote something at {out} that is not a file");
   State stored = read_trajectory(path);
   if (stored.particles.id != state_.particles.id)
-    fail("gave the particles back with other ids or in another order");
+    fail("returned the particles with other ids or in another order");
   // Material indices mean the scene's; time and step are Firn's own count.
   stored.particles.material = state_.particles.material;
   stored.time = state_.time + dt;
@@ -187,13 +189,13 @@ State CommandSolver::read_trajectory(const std::filesystem::path& path) const {
   try {
     Packet answer = reader.ask(Packet(Kind::store), limit, largest_packet(particles));
     if (answer.kind == Kind::failure)
-      fail("wrote what is no trajectory: " +
+      fail("wrote no trajectory: " +
            one_line(replaced(answer.get_text(), path.string(), "{out}"), 500));
     State state = get_state(answer);
     answer.expect_end();
     return state;
   } catch (const ChannelError& error) {
-    fail("wrote a file on which HDF5 fails: its reader " + reader.what_happened(error, limit));
+    fail("wrote a file that HDF5 cannot handle: its reader " + reader.what_happened(error, limit));
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers that a guest must not give back in `firn run`; `firn check` judges them itself.
+/// Non-finite numbers, which a guest must not return in `firn run`; `firn check` finds them itself.
 
 #include <optional>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace firn::guest {
 
-/// "gave v of particle 3 that is not finite", or nothing.
+/// "returned v of particle 3 that is not finite", or nothing.
 std::optional<std::string> not_finite(const Particles& particles);
 
 }  // namespace firn::guest

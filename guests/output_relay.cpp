@@ -53,7 +53,7 @@ void OutputRelay::take(const char* bytes, std::size_t count) {
     const std::size_t more = std::min(count, most_shown - shown_);
     std::fwrite(bytes, 1, more, stderr);
     shown_ += more;
-    if (shown_ == most_shown) std::fputs("\n(what else this guest prints is not shown)\n", stderr);
+    if (shown_ == most_shown) std::fputs("\n(further output of this guest is not shown)\n", stderr);
   }
   for (const char* at = bytes; at != bytes + count; ++at) {
     if (*at != '\n') {

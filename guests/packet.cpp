@@ -148,7 +148,7 @@ Packet receive(int socket, Clock::time_point deadline, std::uint64_t most_bytes)
   Header header;
   receive_bytes(socket, &header, sizeof header, deadline);
   if (header.magic != Header().magic || header.size > most_bytes)
-    throw ChannelError(ChannelError::Reason::malformed, "something that is no message");
+    throw ChannelError(ChannelError::Reason::malformed, "sent something that is not a message");
   // A slice at a time: memory is taken for what has come, not for what was announced.
   constexpr std::uint64_t slice = 1 << 24;
   std::vector<std::byte> bytes;

@@ -182,7 +182,7 @@ class Runner {
       case Kind::answer:
       case Kind::failure: break;
     }
-    throw std::runtime_error("a question of no known kind");
+    throw std::runtime_error("a question of unknown kind");
   }
 
  private:
@@ -245,7 +245,7 @@ class Runner {
     // 64 nodes a particle is what the cubic kernel reaches.
     if (nodes > 64 * state_.particles.size() + 64)
       throw std::runtime_error("node_count() says " + std::to_string(nodes) +
-                               ", at most 64 a particle are possible");
+                               "; at most 64 per particle are possible");
     State stored = poisoned(state_, nodes);
     firn_guest_state view = view_of(stored);
     view.next_stage = 0;
@@ -320,9 +320,9 @@ template <class Answer>
   serve([&](Packet&) {
     const TrajectoryReader reader(path);
     const std::int64_t last = reader.frames() - 1;
-    if (last < 0) throw std::runtime_error("no frame in it");
+    if (last < 0) throw std::runtime_error("it contains no frame");
     if (static_cast<std::size_t>(reader.particles(last)) != particles)
-      throw std::runtime_error(std::to_string(reader.particles(last)) + " particles of " +
+      throw std::runtime_error(std::to_string(reader.particles(last)) + " particles instead of " +
                                std::to_string(particles));
     Packet packet(Kind::answer);
     put_state(packet, reader.read_frame_unchecked(last));

@@ -67,7 +67,7 @@ Packet RunnerProcess::ask(const Packet& question, double seconds, std::uint64_t 
   send(socket_, question, deadline);
   Packet answer = receive(socket_, deadline, most_bytes);
   if (answer.kind != Kind::answer && answer.kind != Kind::failure)
-    throw ChannelError(ChannelError::Reason::malformed, "an answer of no known kind");
+    throw ChannelError(ChannelError::Reason::malformed, "an answer of unknown kind");
   return answer;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 void require_same_origin(const TrajectoryReader& file, const Scene& scene, const Solver& solver) {
   const std::string where = file.path().string();
-  const std::string hint = "; a body of shape \"particles\" starts anew from any file";
+  const std::string hint = "; to start anew from any file, use a body of shape \"particles\"";
   if (!file.info()) throw InputError(where + ": has no group /firn and cannot be resumed" + hint);
   const TrajectoryInfo& info = *file.info();
   const SolverTraits& traits = solver.traits();
@@ -20,8 +20,8 @@ void require_same_origin(const TrajectoryReader& file, const Scene& scene, const
     throw InputError(where, "precision to resume with", std::string(name(traits.precision)),
                      std::string(name(info.precision)) + ", as in the file" + hint);
   if (info.scene != scene.toml)
-    throw InputError(where, "scene to resume", "another one or one that was changed since",
-                     "the scene that wrote the file (--until and --steps go further)" + hint);
+    throw InputError(where, "scene to resume", "a different or changed scene",
+                     "the scene in the file (--until and --steps extend the run)" + hint);
 }
 
 }  // namespace

@@ -31,12 +31,12 @@ SimulationError not_finite(const Solver& solver, const std::string& quantity) {
   const Particles& p = state.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
     if (firn::not_finite(p, i) == nullptr) continue;
-    return SimulationError(
-        Stage::positions, SimulationError::Subject::particle, static_cast<std::int64_t>(i),
-        "not finite after the step (" + quantity + " of the diagnostics is not)");
+    return SimulationError(Stage::positions, SimulationError::Subject::particle,
+                           static_cast<std::int64_t>(i),
+                           "not finite after the step (diagnostics: " + quantity + ")");
   }
   return SimulationError(Stage::positions, SimulationError::Subject::solver, -1,
-                         quantity + " of the diagnostics is not finite after the step");
+                         "diagnostics not finite after the step: " + quantity);
 }
 
 void require_finite(const Solver& solver, const DiagnosticsRow& row) {
@@ -185,7 +185,7 @@ void Run::fail(const std::string& message) {
       return;
     }
     result_.message += "; the steps since step " + std::to_string(last_good_.state.step) +
-                       " are lost, for repeating them failed: " + lost_;
+                       " are lost, because repeating them failed: " + lost_;
     step_ = last_good_.state.step;
     time_ = last_good_.state.time;
     if (writer_) writer_->forget_rows_after(step_);

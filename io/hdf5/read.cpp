@@ -69,7 +69,7 @@ void InputFile::require_honest_size(const InputDataset& dataset, double bytes) c
   Id properties(H5Dget_create_plist(dataset.id_.get()), H5Pclose);
   const H5D_layout_t layout = H5Pget_layout(properties.get());
   if (layout == H5D_VIRTUAL || H5Pget_external_count(properties.get()) > 0)
-    throw InputError(dataset.where(), "where its values are", "in another file", "in this file");
+    throw InputError(dataset.where(), "location of its values", "another file", "this file");
   const double packing = layout == H5D_CHUNKED ? 1032 : 1;
   const double stored = static_cast<double>(H5Dget_storage_size(dataset.id_.get()));
   if (bytes > packing * std::min(stored, file_bytes_))
@@ -84,7 +84,7 @@ InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t
   dataset.where_ = where(path);
   if (!has(path))
     throw InputError(dataset.where_ + (H5Lexists(file_.get(), path.c_str(), links_.get()) > 0
-                                           ? ": is a link that leads out of this file or nowhere"
+                                           ? ": is a link to another file or to nothing"
                                            : ": missing dataset"));
   dataset.id_ = Id(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.id_) throw InputError(dataset.where_ + ": cannot be opened: " + last_error());

@@ -118,7 +118,7 @@ Shape make_shape(const SampleGrid& grid, std::vector<float> phi, const std::stri
 void require_samples_fit(const std::array<double, 3>& size, const std::string& where) {
   const double count = size[0] * size[1] * size[2];
   if (!(count <= largest_number_of_samples))
-    throw InputError(where, "samples of the distance", to_text(count),
+    throw InputError(where, "number of distance samples", to_text(count),
                      "at most " + to_text(largest_number_of_samples));
 }
 

@@ -57,7 +57,8 @@ class ObjReader {
     else if (keyword == "f")
       read_face(statement);
     else if (std::find(passed_over.begin(), passed_over.end(), keyword) == passed_over.end())
-      throw InputError(here(), "statement", quoted(keyword), "v, f and those without a surface");
+      throw InputError(here(), "statement", quoted(keyword),
+                       "v, f, and statements that define no surface");
   }
 
   /// v x y z, then perhaps a weight or a colour.
@@ -95,8 +96,8 @@ class ObjReader {
     const bool whole = error == std::errc() && end == digits.data() + digits.size();
     if (!whole || index == 0 || index > count || index < -count)
       throw InputError(here(), "vertex of a face", quoted(word),
-                       "1 to " + std::to_string(count) + " and -" + std::to_string(count) +
-                           " to -1, the vertices above, at least 3 of them");
+                       "1 to " + std::to_string(count) + " or -" + std::to_string(count) +
+                           " to -1 (the vertices above), at least 3 per face");
     return static_cast<std::int32_t>(index > 0 ? index - 1 : count + index);
   }
 

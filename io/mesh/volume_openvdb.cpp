@@ -47,7 +47,7 @@ void count_inside(const TriangleMesh& shell, const SampleGrid& grid, int amount,
       for (int k = low[2]; k <= high[2]; ++k)
         if (values.getValue({i, j, k}) < 0) count[grid.index(i, j, k)] += amount;
 } catch (const openvdb::Exception& error) {
-  throw InputError(where + ": OpenVDB refuses this mesh: " + error.what());
+  throw InputError(where + ": OpenVDB rejects this mesh: " + error.what());
 }
 
 namespace {

@@ -51,7 +51,7 @@ Id::~Id() {
 Id open_file(const std::string& path, bool writable) {
   be_quiet();
   const hid_t file = H5Fopen(path.c_str(), writable ? H5F_ACC_RDWR : H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0) throw InputError(path, "results file", "no HDF5 file", "a file of firn bench");
+  if (file < 0) throw InputError(path, "results file", "not an HDF5 file", "a file of firn bench");
   return Id(file, path);
 }
 

@@ -46,7 +46,7 @@ void check_extent(const TomlTable& table, const Bounds& bounds, const GridSettin
 void check_cube(const TomlTable& table, int particles_per_cell) {
   const int n = static_cast<int>(std::lround(std::cbrt(particles_per_cell)));
   if (n * n * n != particles_per_cell)
-    table.refuse("particles_per_cell", "no cube, as sampling = \"lattice\" needs",
+    table.refuse("particles_per_cell", "not a cube number, which sampling = \"lattice\" needs",
                  "1, 8, 27, 64, 125, 216, 343, 512, 729 or 1000");
 }
 
@@ -66,10 +66,11 @@ void read_sampling(const TomlTable& table, Body& body) {
 void read_particles(const TomlTable& table, const SceneContext& context, Body& body) {
   for (const char* key : {"particles_per_cell", "sampling", "seed", "volumes"})
     if (table.has(key))
-      table.refuse(key, "stated beside shape = \"particles\"", "nothing: the file has it");
+      table.refuse(key, "not allowed with shape = \"particles\"",
+                   "no such key: the file contains the particles");
   if (table.has("angular_velocity"))
-    table.refuse("angular_velocity", "stated beside shape = \"particles\"",
-                 "velocity, which is added to the file's");
+    table.refuse("angular_velocity", "not allowed with shape = \"particles\"",
+                 "velocity, which is added to the velocities in the file");
   const TomlTable shape = table.table("shape");
   shape.allow_only({"type", "file"});
   if (context.options.scale != 1)
@@ -117,7 +118,8 @@ Collider read_collider(const TomlTable& table, const SceneContext& context) {
   collider.inside = table.boolean_or("inside", false);
   collider.sticky = table.boolean_or("sticky", false);
   if (collider.sticky && table.has("friction"))
-    table.refuse("friction", "friction of a sticky collider", "either friction or sticky = true");
+    table.refuse("friction", "friction given for a sticky collider",
+                 "either friction or sticky = true");
   if (!collider.sticky && !table.has("friction"))
     table.refuse("friction", "missing", "either friction in [0, 1e+06] or sticky = true");
   if (!collider.sticky) collider.friction = table.number("friction", closed(0, 1e6));

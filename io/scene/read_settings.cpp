@@ -21,7 +21,7 @@ double refined(const TomlTable& table, std::string_view key, const Range& range,
   return value;
 }
 
-/// Period as a whole number of h, or 0.
+/// Period as a whole multiple of h, or 0.
 double whole_period(const TomlTable& table, int axis, double period, double h) {
   if (period == 0) return 0;
   const double nodes = period / h, whole = std::round(nodes);
@@ -32,7 +32,7 @@ double whole_period(const TomlTable& table, int axis, double period, double h) {
       whole > most_period_nodes) {
     const char* names[] = {"x", "y", "z"};
     table.refuse("periodic", std::string("not a period along ") + names[axis],
-                 "0 (open) or a whole number of h = " + to_text(h) + " m, from 4 h to 1048576 h");
+                 "0 (open) or a whole multiple of h = " + to_text(h) + " m, from 4 h to 1048576 h");
   }
   return whole * h;
 }
@@ -117,7 +117,7 @@ std::vector<Material> read_materials(const std::vector<TomlTable>& tables) {
     Material material = read_material(table);
     for (const Material& earlier : materials)
       if (earlier.name == material.name)
-        table.refuse("name", "two materials of one name", "a name of its own");
+        table.refuse("name", "duplicate material name", "a name that no other material has");
     materials.push_back(std::move(material));
   }
   return materials;

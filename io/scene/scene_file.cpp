@@ -40,7 +40,7 @@ void guard_against_deep_keys(std::string_view text, const std::string& file_name
     const bool comment = first != std::string_view::npos && line[first] == '#' &&
                          line.find_first_of("\"'") == std::string_view::npos;
     if (dots > most_dots && !comment)
-      throw InputError(file_name + ":" + std::to_string(number), "a line full of dots",
+      throw InputError(file_name + ":" + std::to_string(number), "too many dots in one line",
                        std::to_string(dots), "at most " + std::to_string(most_dots));
   }
 }

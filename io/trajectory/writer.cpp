@@ -30,7 +30,7 @@ void require_space(const std::filesystem::path& output, double bytes) {
   if (bytes > static_cast<double>(space.available))
     throw InputError(output.string(), "size of the trajectory", gigabytes(bytes),
                      "at most the " + gigabytes(static_cast<double>(space.available)) +
-                         " free on that disk; fewer frames_per_second or an earlier end help");
+                         " free on that disk (reduce frames_per_second or the end time)");
 }
 
 std::filesystem::path with_suffix(std::filesystem::path path, const char* suffix) {
@@ -62,9 +62,10 @@ void TrajectoryWriter::resolve_output() {
   const std::filesystem::path target = std::filesystem::canonical(output_, error);
   if (error) return;  // there is nothing yet
   if (!std::filesystem::is_regular_file(target, error))
-    throw InputError(output_.string(), "output",
-                     std::filesystem::is_directory(target, error) ? "a directory" : "no plain file",
-                     "a new or existing plain file");
+    throw InputError(
+        output_.string(), "output",
+        std::filesystem::is_directory(target, error) ? "a directory" : "not a plain file",
+        "a new or existing plain file");
   output_ = target;
 }
 
@@ -157,9 +158,7 @@ void TrajectoryWriter::publish() {
   file_->sync();
   std::error_code error;
   std::filesystem::rename(current_, output_, error);
-  if (error)
-    throw OutputError(output_.string() +
-                      ": cannot take the place of this file: " + error.message());
+  if (error) throw OutputError(output_.string() + ": cannot replace this file: " + error.message());
   current_ = output_;
 }
 

@@ -32,8 +32,9 @@ void require(const Scene& scene, const Solver& reference, const Solver& subject,
     const std::vector<Stage>& stops = traits.stops;
     if (stops.empty() || stops.back() != Stage::positions ||
         !std::is_sorted(stops.begin(), stops.end()))
-      throw InputError("solver " + traits.name, "stages it says it stops at",
-                       std::to_string(stops.size()) + " of them", "in order, the last positions");
+      throw InputError("solver " + traits.name, "stops that it declares",
+                       std::to_string(stops.size()) + " of them",
+                       "ascending order, positions last");
   }
 }
 

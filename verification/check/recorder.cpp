@@ -13,7 +13,7 @@ bool Recorder::guard(Stage from, Stage through, const std::function<void()>& sub
   } catch (const std::exception& error) {
     diverged(from, through, {}, fmt::format("the subject threw: {}", error.what()));
   } catch (...) {
-    diverged(from, through, {}, "the subject threw something that is no std::exception");
+    diverged(from, through, {}, "the subject threw something that is not a std::exception");
   }
   return false;
 }

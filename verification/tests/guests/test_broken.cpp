@@ -77,7 +77,7 @@ TEST_P(BrokenLibrary, IsReportedAsTheGuests) {
 
 const Fault library_faults[] = {
     // Before it has said what it can do it is bad input: exit 2.
-    {"constructor abort", "killed by signal 6 (Aborted), its last line: assertion", 2},
+    {"constructor abort", "killed by signal 6 (Aborted), last line of output: assertion", 2},
     {"constructor hang", "gave no answer within 2 s", 2},
     {"entry segfault", "killed by signal 11", 2},
     {"entry exit", "ended: exit status 0", 2},
@@ -86,7 +86,7 @@ const Fault library_faults[] = {
     {"entry size", "its struct_size is 8, this version's is", 2},
     {"entry function", "a required function of its table is NULL", 2},
     {"entry stops", "list of stops: got 99", 2},
-    {"entry garbage", "broke the protocol: something that is no message", 2},
+    {"entry garbage", "broke the protocol: sent something that is not a message", 2},
     {"create null-self", "create() failed", 2},
     {"create segfault", "killed by signal 11", 2},
     {"create print", "gave no answer within 2 s", 2},
@@ -94,21 +94,22 @@ const Fault library_faults[] = {
     {"load segfault", "killed by signal 11"},
     {"load refuses", "load() failed: the moon is full\\x0Aand \\x1B[31mthe tide\\xFF is high"},
     {"load refuses-silently", "load() failed: no reason given"},
-    {"load huge", "broke the protocol: something that is no message"},
+    {"load huge", "broke the protocol: sent something that is not a message"},
     {"load hang", "gave no answer within 2 s"},
     {"advance null", "killed by signal 11"},
     {"advance stack", "killed by signal 11"},
     {"advance trample", "killed by signal"},
-    {"advance abort", "killed by signal 6 (Aborted), its last line: assertion `mass > 0' failed"},
+    {"advance abort",
+     "killed by signal 6 (Aborted), last line of output: assertion `mass > 0' failed"},
     {"advance exit", "ended: exit status 0"},
     {"advance hang", "gave no answer within 2 s"},
     {"advance spin", "gave no answer within 2 s"},
     {"advance print", "gave no answer within 2 s"},
     {"advance close", "the channel was closed"},
-    {"advance garbage", "something that is no message"},
+    {"advance garbage", "sent something that is not a message"},
     {"advance refuses", "advance_through() failed: the moon is full"},
-    {"advance collider", "its last line: guest asked for collider 77 of 0"},
-    {"count too-many", "at most 64 a particle are possible"},
+    {"advance collider", "last line of output: guest asked for collider 77 of 0"},
+    {"count too-many", "at most 64 per particle are possible"},
     {"store segfault", "killed by signal 11"},
     {"store nothing", "store() left next_stage at 0"},
     {"store stage", "store() left next_stage at 77"},
@@ -127,23 +128,23 @@ TEST_P(BrokenCommand, IsReportedAsTheGuests) {
 
 const Fault command_faults[] = {
     {"segfault", "ended: killed by signal 11"},
-    {"abort", "killed by signal 6 (Aborted), its last line: terminate called"},
+    {"abort", "killed by signal 6 (Aborted), last line of output: terminate called"},
     {"exit", "ended: exit status 3"},
     {"early", "wrote no file at {out}"},
-    {"words", "exit status 1, its last line: ValueError: mass is \\x1B[31mnegative"},
+    {"words", "exit status 1, last line of output: ValueError: mass is \\x1B[31mnegative"},
     {"hang", "did not end within 2 s"},
     {"spin", "did not end within 2 s"},
     {"print", "did not end within 2 s"},
-    {"empty", "wrote what is no trajectory: {out}: is not a readable HDF5 file"},
-    {"text", "wrote what is no trajectory: {out}: is not a readable HDF5 file"},
-    {"half", "wrote what is no trajectory: {out}: is not a readable HDF5 file"},
+    {"empty", "wrote no trajectory: {out}: is not a readable HDF5 file"},
+    {"text", "wrote no trajectory: {out}: is not a readable HDF5 file"},
+    {"half", "wrote no trajectory: {out}: is not a readable HDF5 file"},
     {"noise", " wrote "},
-    {"directory", "put something at {out} that is no file"},
-    {"pipe", "put something at {out} that is no file"},
+    {"directory", "wrote something at {out} that is not a file"},
+    {"pipe", "wrote something at {out} that is not a file"},
     {"endless", "killed by signal 25 (File size limit exceeded)"},
     {"clear", "wrote no file at {out}"},
-    {"ids", "gave the particles back with other ids or in another order"},
-    {"fewer", "1 particles of 2"},
+    {"ids", "returned the particles with other ids or in another order"},
+    {"fewer", "1 particles instead of 2"},
     {"more", "rows of frame 0: got 99"},
     {"plane", "velocity: shape: got (2,2), allowed: (N,3)"},
     {"integers", "mass: type: got integer of 4 bytes"},
@@ -171,7 +172,7 @@ TEST(BrokenGuest, NotANumberIsNamedWithItsParticle) {
         run_firn({"run", "two_particles", "--solver", guest, "-o", "a.vtkhdf"}, folder.path());
     EXPECT_EQ(run.status, 3) << run.err;
     EXPECT_EQ(lines(run.err), 1) << run.err;
-    EXPECT_NE(run.err.find("gave x of particle 1 that is not finite"), std::string::npos)
+    EXPECT_NE(run.err.find("returned x of particle 1 that is not finite"), std::string::npos)
         << run.err;
     EXPECT_EQ(TrajectoryReader(folder.path() / "a.vtkhdf").frames(), 1) << "the last good state";
   }

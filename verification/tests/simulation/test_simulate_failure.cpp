@@ -125,9 +125,10 @@ TEST_F(Failing, ASolverThatCannotRepeatItsStepsLeavesTheLastFrame) {
   };
   const RunResult result = simulate(scene, solver, options());
   EXPECT_EQ(result.exit_status(), 3);
-  EXPECT_EQ(result.message,
-            "the guest is gone; the steps since step 4 are lost, for repeating them failed: the "
-            "guest is gone");
+  EXPECT_EQ(
+      result.message,
+      "the guest is gone; the steps since step 4 are lost, because repeating them failed: the "
+      "guest is gone");
   EXPECT_EQ(result.step, 4);
   expect_last_frame(scene, 4);
   expect_continuable(scene);

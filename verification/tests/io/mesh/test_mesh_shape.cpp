@@ -251,7 +251,7 @@ TEST_F(MeshShape, RefusalsNameTheFileAndTheReason) {
   EXPECT_THAT(error("empty.obj", ""), HasSubstr("triangles: got 0"));
   EXPECT_THAT(error("cube.ply", cube_obj), HasSubstr("kind of mesh file: got \".ply\""));
   EXPECT_THAT(error("cube.obj", cube_obj, 1e10), HasSubstr("coordinate after scale"));
-  EXPECT_THAT(error("cube.obj", cube_obj, 1, 1e-4), HasSubstr("samples of the distance"));
+  EXPECT_THAT(error("cube.obj", cube_obj, 1, 1e-4), HasSubstr("distance samples"));
   EXPECT_THAT(error("cube.obj", cube_obj, 1e-9, 0.1), HasSubstr("no sample point"));
   EXPECT_THAT(input_error([] { load_mesh_shape("/nowhere/cube.obj", 1, Vec3::Zero(), 0.1); }),
               HasSubstr("/nowhere/cube.obj: file: got one that cannot be opened"));

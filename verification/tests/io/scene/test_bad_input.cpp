@@ -215,11 +215,11 @@ std::map<std::string, Case> particle_cases(const std::filesystem::path& folder) 
   };
   EXPECT_NO_THROW(read("good.vtkhdf").read(folder)) << "or the cases below prove nothing";
   return {
-      {"a body of particles, file not there", read("missing.vtkhdf")},
+      {"a body of particles, missing file", read("missing.vtkhdf")},
       {"a body of particles, a directory", read("folder.toml")},
       {"a body of particles, a text file", read("text.vtkhdf")},
       {"a body of particles, a trajectory cut off in the middle", read("cut.vtkhdf")},
-      {"a body of particles that states a seed", read("good.vtkhdf", "seed = 1\n")},
+      {"a body of particles with a seed", read("good.vtkhdf", "seed = 1\n")},
       {"a body of particles that spins", read("good.vtkhdf", "angular_velocity = [0, 0, 1]\n")},
       {"a body of particles, refined", read("good.vtkhdf", "", 2)},
       {"a collider of particles",
@@ -253,9 +253,9 @@ std::map<std::string, Case> mesh_cases(const std::filesystem::path& folder) {
         << "or the cases below prove nothing";
   }
   return {
-      {"a mesh, file not there", shape("type = \"mesh\", file = \"missing.obj\"")},
+      {"a mesh, missing file", shape("type = \"mesh\", file = \"missing.obj\"")},
       {"a mesh, a directory", shape("type = \"mesh\", file = \"folder.toml\"")},
-      {"a mesh, of unknown kind", shape("type = \"mesh\", file = \"mesh.ply\"")},
+      {"a mesh of unknown format", shape("type = \"mesh\", file = \"mesh.ply\"")},
       {"a mesh, not closed", shape("type = \"mesh\", file = \"open.obj\"")},
       {"a mesh, a vertex that does not exist", shape("type = \"mesh\", file = \"wrong.obj\"")},
       {"a mesh, scaled beyond any grid",
@@ -277,15 +277,15 @@ TEST(BadInput, Files) {
   write("deep.toml", repeated("a.", 69) + "a = 1");
 
   std::map<std::string, Case> cases = {
-      {"a file that is not there", {"missing.toml"}},
+      {"a missing file", {"missing.toml"}},
       {"a directory", {"folder.toml"}},
       {"an empty file", {"empty.toml"}},
-      {"a trajectory in place of a scene", {"trajectory.toml"}},
+      {"a trajectory instead of a scene", {"trajectory.toml"}},
       {"17 MiB of blanks", {"blank.toml"}},
       {"arrays nested 300 deep", {"nested.toml"}},
       {"a key of 70 parts", {"deep.toml"}},
-      {"a name close to a built-in scene", {"snowball_dorp"}},
-      {"a name like none", {"quicksilver"}},
+      {"a name similar to a built-in scene", {"snowball_dorp"}},
+      {"a name unlike any scene", {"quicksilver"}},
   };
   cases.merge(particle_cases(folder));
   cases.merge(mesh_cases(folder));
