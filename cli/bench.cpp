@@ -13,21 +13,24 @@ void add_bench(CLI::App& app, Context& context) {
   std::string suites;
   for (const bench::SuiteEntry& suite : bench::suites())
     suites += "\n  " + suite.name + ": " + suite.description;
-  CLI::App* verb = app.add_subcommand(
-      "bench", "measures speed, accuracy, stability, and what each skip saves; suites:" + suites);
+  CLI::App* verb =
+      app.add_subcommand("bench", "measures speed, accuracy and stability; suites:" + suites);
   auto options = std::make_shared<bench::Options>();
-  verb->add_option("SUITE", options->suites, "suites or SUITE/CASE, * for anything (default: all)");
-  verb->add_option("-o,--out", options->output, "results; an existing file is completed")
+  verb->add_option("SUITE", options->suites,
+                   "suites or SUITE/CASE, with * as wildcard (default: all)");
+  verb->add_option("-o,--out", options->output,
+                   "results file; if it exists, missing cases are added to it")
       ->capture_default_str();
-  verb->add_flag("--quick", options->quick, "the cases that take under three minutes in all");
+  verb->add_flag("--quick", options->quick, "only the quick cases: less than three minutes in all");
   verb->add_flag("--again", options->again,
-                 "measure what the results have already, too; a single SUITE/CASE always is");
-  verb->add_flag("--list", options->list, "name the cases and measure nothing");
+                 "also measure cases that the file has already; a case named as SUITE/CASE "
+                 "always is measured");
+  verb->add_flag("--list", options->list, "list the cases without measuring them");
   verb->add_option("--solver", options->solvers, "only these solvers (default: all)");
-  verb->add_option("--threads", options->max_threads, "at most so many (default: all processors)")
+  verb->add_option("--threads", options->max_threads,
+                   "use at most this many threads (default: all processors)")
       ->check(CLI::PositiveNumber);
-  verb->add_option("--seed", options->seed, "of everything that is drawn at random")
-      ->capture_default_str();
+  verb->add_option("--seed", options->seed, "seed of all random numbers")->capture_default_str();
   verb->callback([options, &context] {
     context.exit = bench::run(context.registry, *options, std::cout, std::cerr);
   });

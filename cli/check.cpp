@@ -62,22 +62,22 @@ int run_check_verb(const Arguments& arguments, Context& context) {
 }  // namespace
 
 void add_check(CLI::App& app, Context& context) {
-  CLI::App* verb = app.add_subcommand(
-      "check",
-      "compares a solver with the reference stage by stage; names the first that diverges");
+  CLI::App* verb = app.add_subcommand("check",
+                                      "compares a solver with the reference, stage by stage, and "
+                                      "names the first stage that differs");
   auto arguments = std::make_shared<Arguments>();
   arguments->scene = add_scene_option(*verb);
   arguments->solver = add_solver_option(*verb, context.registry, "optimized");
-  verb->add_option("--against", arguments->against, "the solver that is taken to be right")
+  verb->add_option("--against", arguments->against, "the solver to compare with")
       ->capture_default_str();
   verb->add_option("--steps", arguments->steps, "steps to compare")->capture_default_str();
   verb->add_option("--start-step", arguments->start_step,
-                   "steps that the reference runs alone first")
+                   "steps that the reference takes alone before the comparison")
       ->capture_default_str();
   verb->add_option("--mode", arguments->mode,
                    "lockstep: every stage from the reference's input; free: both run on their own")
       ->capture_default_str();
-  verb->add_flag("--json", arguments->json, "machine-readable");
+  verb->add_flag("--json", arguments->json, "print JSON");
   verb->callback([arguments, &context] { context.exit = run_check_verb(*arguments, context); });
 }
 

@@ -126,15 +126,15 @@ int run_compare(const Arguments& arguments) {
 }  // namespace
 
 void add_compare(CLI::App& app, Context& context) {
-  CLI::App* verb = app.add_subcommand(
-      "compare", "compares two trajectories, whoever wrote them; exit 1 if they differ");
+  CLI::App* verb =
+      app.add_subcommand("compare", "compares two trajectories; exit status 1 if they differ");
   auto arguments = std::make_shared<Arguments>();
   verb->add_option("A", arguments->a, "trajectory")->required();
   verb->add_option("B", arguments->b, "trajectory")->required();
   verb->add_option("--tolerance", arguments->tolerance,
                    "largest relative difference that still passes; 0: every bit must be the same")
       ->capture_default_str();
-  verb->add_flag("--json", arguments->json, "machine-readable");
+  verb->add_flag("--json", arguments->json, "print JSON");
   verb->callback([arguments, &context] { context.exit = run_compare(*arguments); });
 }
 

@@ -37,7 +37,7 @@ Rows info_rows() {
           {"eigen",
            fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
           {"hdf5", hdf5_version()},
-          {"openvdb", has_openvdb() ? "yes" : "no: mesh and level-set shapes are refused"}};
+          {"openvdb", has_openvdb() ? "yes" : "no: no mesh or level-set shapes"}};
 }
 
 void print_info(bool json) {
@@ -54,9 +54,10 @@ void print_info(bool json) {
 }  // namespace
 
 void add_info(CLI::App& app, Context&) {
-  CLI::App* verb = app.add_subcommand("info", "build, processor, instruction set, versions");
+  CLI::App* verb =
+      app.add_subcommand("info", "prints build, processor, instruction set and versions");
   auto json = std::make_shared<bool>(false);
-  verb->add_flag("--json", *json, "machine-readable");
+  verb->add_flag("--json", *json, "print JSON");
   verb->callback([json] { print_info(*json); });
 }
 

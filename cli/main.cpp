@@ -86,11 +86,11 @@ int run_program(int argc, char** argv, firn::cli::Context& context) {
   app.set_version_flag("--version", "firn " + firn::build_info().version);
   app.require_subcommand(1);
   app.footer(
-      "Exit status: 0 done and passed; 1 a check, comparison or verification failed; 2 bad input "
-      "or\n"
-      "usage, nothing written; 3 the simulation failed and the last good state was written; 130\n"
-      "interrupted, last good state written.  SCENE is a file or a name that `firn scenes` "
-      "prints.");
+      "Exit status: 0 done and passed; 1 a check, comparison or verification failed; 2 invalid "
+      "input\n"
+      "or usage, nothing written; 3 the simulation failed, last good state written; 130 "
+      "interrupted,\n"
+      "last good state written.  SCENE is a file or a name that `firn scenes` prints.");
   add_run(app, context);
   add_check(app, context);
   add_compare(app, context);

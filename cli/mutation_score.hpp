@@ -1,5 +1,5 @@
 #pragma once
-/// firn verify --mutants: does the suite catch what is wrong on purpose?
+/// firn verify --mutants: does the suite catch the deliberately wrong solvers?
 
 #include <string>
 

@@ -40,7 +40,7 @@ SolverOptions SolverOption::settings(std::size_t particles) const {
   }
   if (threads < 0 || threads > 1024)
     throw InputError("--threads", "number of threads", std::to_string(threads),
-                     "1 to 1024, or 0 for as many as pay");
+                     "1 to 1024, or 0 for automatic");
   options.threads = threads == 0 ? threads_worth_having(particles) : threads;
   options.time_limit = time_limit;
   return options;
@@ -56,7 +56,7 @@ namespace {
 std::string help_of_solver(const Registry& registry) {
   std::string text = "a name that `firn solvers` prints";
   for (const SolverFamily& family : registry.families())
-    text += ", or \"" + family.form + "\": " + family.description;
+    text += "; " + family.form + ", " + family.description;
   return text;
 }
 
@@ -69,7 +69,7 @@ std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const Registry& 
   verb.add_option("--solver", option->name, help_of_solver(registry))->capture_default_str();
   verb.add_option("--precision", option->precision, "double or float")->capture_default_str();
   verb.add_option("--threads", option->threads,
-                  "threads; 0 = one per 16384 particles, at most one per processor; the "
+                  "number of threads; 0: one per 16384 particles, at most one per processor; the "
                   "result does not depend on it")
       ->capture_default_str();
   verb.add_option("--time-limit", option->time_limit,

@@ -1,5 +1,5 @@
 #pragma once
-/// Options that several verbs share, declared once so that they read and fail alike.
+/// Options that several verbs share, declared once so that they behave the same everywhere.
 
 #include <CLI/App.hpp>
 #include <memory>
@@ -18,9 +18,8 @@ struct SceneOption {
   Scene read() const;
 };
 
-/// One thread per 16384 particles, at most one per processor: a step of fewer is
-/// over before a second thread pays for its waking, and waiting threads are
-/// harmful where processors are shared.
+/// One thread per 16384 particles, at most one per processor: with fewer particles a step
+/// ends before waking a second thread pays, and waiting threads do harm on a shared machine.
 int threads_worth_having(std::size_t particles);
 
 /// SCENE and --scale.
@@ -29,10 +28,10 @@ std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb);
 struct SolverOption {
   std::string name;
   std::string precision = "double";
-  int threads = 0;         ///< 0: as many as the scene keeps busy
+  int threads = 0;         ///< 0: threads_worth_having()
   double time_limit = 60;  ///< for each answer of a guest [s]
 
-  /// For a scene of that many particles. Throws InputError.
+  /// The solver for a scene with this many particles. Throws InputError.
   std::unique_ptr<Solver> create(const Registry& registry, std::size_t particles) const;
   SolverOptions settings(std::size_t particles) const;
 };

@@ -34,7 +34,7 @@ int run_report(const Arguments& arguments) {
 void add_report(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand(
       "report",
-      "one self-contained HTML page from the results of `bench` or a trajectory of `run`");
+      "makes one self-contained HTML page from the results of `bench` or a trajectory of `run`");
   auto arguments = std::make_shared<Arguments>();
   arguments->out = "report";
   verb->add_option("RESULTS", arguments->file, "results (.h5) or trajectory (.vtkhdf)")->required();
@@ -44,10 +44,10 @@ void add_report(CLI::App& app, Context& context) {
                    "with --baseline: changes up to this share pass (default: 0.1)")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--readme-table", arguments->readme_table,
-                 "print the summary of results as Markdown and write no page");
+                 "print a summary of the results as Markdown instead of making a page");
   verb->add_option("--check", arguments->checks,
-                   "output of `firn check --json` to show on the page");
-  verb->add_option("-o,--out", arguments->out, "folder of the page")->capture_default_str();
+                   "output of `firn check --json` to show on the page; may be repeated");
+  verb->add_option("-o,--out", arguments->out, "folder for the page")->capture_default_str();
   verb->callback([arguments, &context] { context.exit = run_report(*arguments); });
 }
 

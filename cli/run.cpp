@@ -176,13 +176,13 @@ void add_run(CLI::App& app, Context& context) {
   verb->add_option("--steps", arguments->steps,
                    "stop after this many steps; 0: the initial state only");
   verb->add_option("--frames-per-second", arguments->frames_per_second,
-                   "instead of the scene's [1/s]");
+                   "frame rate [1/s] instead of the scene's");
   verb->add_option("--resume", arguments->resume,
-                   "go on from the last frame of this trajectory; the result equals an "
+                   "continue from the last frame of this trajectory; the result equals an "
                    "uninterrupted run bit for bit");
   verb->add_option("--resume-frame", arguments->resume_frame,
-                   "from this frame of it instead, counted from 0");
-  verb->add_flag("--json", arguments->json, "machine-readable summary");
+                   "continue from this frame instead of the last, counted from 0");
+  verb->add_flag("--json", arguments->json, "print the summary as JSON");
   verb->callback([arguments, &context] { context.exit = run_run(*arguments, context); });
 }
 

@@ -33,11 +33,12 @@ void show_scene(const std::string& name) {
 }  // namespace
 
 void add_scenes(CLI::App& app, Context&) {
-  CLI::App* verb = app.add_subcommand("scenes", "built-in scenes, one a line, name first");
+  CLI::App* verb =
+      app.add_subcommand("scenes", "lists the built-in scenes, one per line, name first");
   auto json = std::make_shared<bool>(false);
   auto show = std::make_shared<std::string>();
-  verb->add_flag("--json", *json, "machine-readable");
-  verb->add_option("--show", *show, "print the TOML of that scene instead, to start your own from");
+  verb->add_flag("--json", *json, "print JSON");
+  verb->add_option("--show", *show, "print the TOML text of this scene instead");
   verb->callback([json, show] { show->empty() ? list_scenes(*json) : show_scene(*show); });
 }
 

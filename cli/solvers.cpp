@@ -66,11 +66,12 @@ void print_mutants(bool json) {
 }  // namespace
 
 void add_solvers(CLI::App& app, Context& context) {
-  CLI::App* verb = app.add_subcommand("solvers", "registered solvers, one a line, name first");
+  CLI::App* verb =
+      app.add_subcommand("solvers", "lists the registered solvers, one per line, name first");
   auto json = std::make_shared<bool>(false);
   auto mutants = std::make_shared<bool>(false);
-  verb->add_flag("--json", *json, "machine-readable");
-  verb->add_flag("--mutants", *mutants, "the deliberately wrong solvers instead");
+  verb->add_flag("--json", *json, "print JSON");
+  verb->add_flag("--mutants", *mutants, "list the deliberately wrong solvers instead");
   verb->callback([json, mutants, &context] {
     if (*mutants)
       print_mutants(*json);

@@ -121,7 +121,7 @@ int run_teach(const Arguments& arguments, Context& context) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    throw InputError(folder.string(), "folder of the pages", error.message(),
+    throw InputError(folder.string(), "folder for the pages", error.message(),
                      "a folder that can be made");
   const std::filesystem::path data = folder / "lesson.json";
   write_text(data, json.dump());
@@ -133,12 +133,13 @@ int run_teach(const Arguments& arguments, Context& context) {
 
 void add_teach(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand(
-      "teach", "HTML pages that walk one time step through the ten stages, on real numbers");
+      "teach",
+      "makes HTML pages that explain one time step, stage by stage, on this scene's numbers");
   auto arguments = std::make_shared<Arguments>();
   arguments->scene = add_scene_option(*verb);
   arguments->scene->name = "tiny_impact";
   verb->get_option("SCENE")->required(false)->capture_default_str();
-  verb->add_option("-o,--out", arguments->out, "folder of the pages")->capture_default_str();
+  verb->add_option("-o,--out", arguments->out, "folder for the pages")->capture_default_str();
   verb->add_option("--step", arguments->step,
                    "the step to show, counted from 0; default: one with contact and yielding");
   verb->add_option("--particle", arguments->particle, "id of the particle to follow");

@@ -13,7 +13,7 @@ namespace firn::cli {
 enum Exit : int {
   exit_done = 0,          ///< done and passed
   exit_failed = 1,        ///< a check, comparison or verification failed
-  exit_bad_input = 2,     ///< bad input or usage; nothing was written
+  exit_bad_input = 2,     ///< invalid input or usage; nothing was written
   exit_simulation = 3,    ///< the simulation failed; the last good state was written
   exit_interrupted = 130  ///< by the user; the last good state was written
 };

@@ -32,8 +32,8 @@ void become_firn_verify(const std::vector<std::string>& arguments) {
 
 void add_verify(CLI::App& app, Context&) {
   CLI::App* verb = app.add_subcommand(
-      "verify", "runs the verification suite on a solver; `firn verify --help` tells more");
-  // Everything behind the verb is for firn-verify, its --help too.
+      "verify", "runs the verification suite on a solver; see `firn verify --help`");
+  // Everything after the verb is for firn-verify, including --help.
   verb->set_help_flag();
   verb->prefix_command();
   verb->callback([verb] { become_firn_verify(verb->remaining()); });

@@ -1,4 +1,4 @@
-/// firn-verify, the program behind `firn verify`: any solver against everything that is
+/// firn-verify, the program behind `firn verify`: tests a solver against everything that is
 /// known about the method.
 
 #include <CLI/App.hpp>
@@ -117,30 +117,32 @@ int tell(const char* what, int status) {
 
 int run_program(int argc, char** argv) {
   CLI::App app{
-      "Runs the verification suite on a solver. Ends with a table by topic: how much was "
+      "Runs the verification suite on a solver and prints a table by topic: how much was "
       "compared,\n"
-      "how near the errors came to their bounds, VALID or INVALID, and for every failure the\n"
-      "command that repeats it."};
+      "the largest error in units of its bound, VALID or INVALID, and for every failure the "
+      "command\n"
+      "that repeats it."};
   app.name("firn verify");
   Registry registry;
   register_solvers(registry);
   Arguments arguments;
   arguments.solver = add_solver_option(app, registry, "optimized");
   app.add_option("--filter", arguments.run.filter,
-                 "only these tests: TOPIC.TEST, with * and ?, several with ':'");
+                 "run only these tests: TOPIC.TEST, with * and ? as wildcards, several separated "
+                 "by ':'");
   app.add_flag("--long", arguments.run.long_studies,
-               "also the long studies of convergence and stability");
+               "also run the long studies of convergence and stability");
   app.add_flag("--fail-fast", arguments.run.fail_fast, "stop at the first failure");
-  app.add_flag("--list", arguments.list, "name the tests and run nothing");
+  app.add_flag("--list", arguments.list, "list the tests without running them");
   app.add_option("--junit", arguments.run.junit, "write JUnit XML to this file");
   app.add_option("-o,--out", arguments.results, "add the verdict to this results file (HDF5)");
-  app.add_flag("--json", arguments.json, "machine-readable");
+  app.add_flag("--json", arguments.json, "print JSON");
   app.add_flag("--mutants", arguments.mutants,
-               "how many of the deliberately wrong solvers are caught, and by what");
+               "run the suite on every deliberately wrong solver and report what catches it");
   app.add_option("--svd", arguments.svd,
                  "test the singular value decomposition of a shared library instead "
                  "(verification/suite/firn_svd.h)");
-  app.footer("Exit status: 0 VALID; 1 INVALID; 2 bad input or usage; 130 interrupted.");
+  app.footer("Exit status: 0 VALID; 1 INVALID; 2 invalid input or usage; 130 interrupted.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
