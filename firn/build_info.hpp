@@ -1,5 +1,5 @@
 #pragma once
-/// What this library was built from and with; results and trajectories carry it.
+/// Facts about this build, which results and trajectories store.
 
 #include <string>
 
@@ -7,8 +7,8 @@ namespace firn {
 
 struct BuildInfo {
   std::string version;     ///< "0.1.0"
-  std::string git_commit;  ///< abbreviated hash, "+" behind it if the tree had changes; "unknown"
-                           ///< outside git
+  std::string git_commit;  ///< abbreviated hash, followed by "+" if the tree had uncommitted
+                           ///< changes; "unknown" outside git
   std::string compiler;    ///< "GNU 12.2.0"
   std::string flags;       ///< of the build type
   std::string build_type;

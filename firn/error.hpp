@@ -1,6 +1,6 @@
 #pragma once
-/// The two ways in which Firn fails: bad input (exit 2, nothing written) and a
-/// failed simulation (exit 3, last good state kept).
+/// The two ways in which Firn fails: invalid input (exit 2, nothing written) and a
+/// failed simulation (exit 3, last good state kept). io/output_error.hpp has a third.
 
 #include <cstdint>
 #include <stdexcept>
@@ -10,7 +10,7 @@
 
 namespace firn {
 
-/// Bad input or usage. what() is one line: what, where, the value, the allowed range.
+/// Invalid input or usage. what() is one line: where, what, the value, the allowed range.
 class InputError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

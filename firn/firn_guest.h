@@ -3,8 +3,8 @@
  *     firn check snowball_drop --solver ./libmine.so
  *
  * The library exports one function, firn_guest_entry(), which returns a table of
- * functions. Firn loads the library in a process of its own, so whatever it does
- * there is reported as the library's and takes nothing else down.
+ * functions. Firn loads the library in a separate process, so a fault of the library
+ * is reported and does not take Firn down.
  *
  * This header compiles as C99 and as C++. Lengths in m, times in s, masses in kg;
  * vectors are 3 consecutive doubles, matrices 9 in row-major order. All
@@ -64,7 +64,7 @@ typedef struct firn_guest_scene {
   size_t struct_size;
   double spacing;     /* h [m] */
   double origin[3];   /* position of node (0,0,0) [m] */
-  double periodic[3]; /* period along each axis [m], a whole number of h; 0 = open */
+  double periodic[3]; /* period along each axis [m], a whole multiple of h; 0 = open */
   double gravity[3];  /* g [m/s^2] */
   double flip;        /* alpha */
   int32_t semi_implicit;

@@ -5,7 +5,7 @@
 
 namespace firn {
 
-/// "model name" of the first processor, "unknown" where the system does not tell.
+/// "model name" of the first processor, "unknown" if the system does not say.
 std::string processor_name();
 
 /// Processors that this process may run on, ≥ 1.

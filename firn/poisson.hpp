@@ -1,5 +1,5 @@
 #pragma once
-/// Blue noise: random points of which no two are closer than a given distance.
+/// Blue noise: random points, no two of them closer than a given distance.
 
 #include <cstdint>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-/// Random numbers as a pure function of what they are for: no state, no order of
-/// calls, the same bits from every compiler (std:: distributions promise none of this).
+/// Random numbers as a pure function of a seed and of indices: no state, no dependence on the
+/// order of calls, the same bits from every compiler (std:: distributions promise none of this).
 
 #include <cstdint>
 #include <initializer_list>

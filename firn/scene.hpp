@@ -1,6 +1,6 @@
 #pragma once
-/// A scene, as the TOML file states it and after every value was checked.
-/// `io/scene/scene_file.hpp` reads one; a program may also fill one by hand.
+/// A scene as the TOML file defines it, with every value checked.
+/// `io/scene/scene_file.hpp` reads one; a program may also fill one itself.
 
 #include <cstdint>
 #include <string>

@@ -32,7 +32,7 @@ struct Cylinder {
 
 struct HalfSpace {
   Vec3 point = Vec3::Zero();
-  Vec3 normal = Vec3::UnitZ();  ///< any length > 0; solid on the side away from it
+  Vec3 normal = Vec3::UnitZ();  ///< any length > 0; solid on the opposite side
 };
 
 /// A closed triangle mesh or a level-set file, held as distances on a grid.
@@ -50,8 +50,8 @@ struct Bounds {
 /// φ(x): distance to the surface, negative inside [m].
 double signed_distance(const Shape& shape, const Vec3& x);
 
-/// n = ∇φ/‖∇φ‖ at x, a unit vector also where ∇φ is not defined (a sphere's
-/// centre, an edge of a box): some fixed outward direction there.
+/// n = ∇φ/‖∇φ‖ at x, always a unit vector: where ∇φ is not defined (a sphere's
+/// centre, an edge of a box), some fixed outward direction.
 Vec3 outward_normal(const Shape& shape, const Vec3& x);
 
 /// Membership as the sampling uses it: boundaries at min included, at max

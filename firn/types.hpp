@@ -1,5 +1,5 @@
 #pragma once
-/// The few types that every part of Firn speaks. SI units throughout.
+/// The few types that every part of Firn uses. SI units throughout.
 
 #include <Eigen/Core>
 #include <array>

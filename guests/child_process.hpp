@@ -20,12 +20,12 @@ struct ChildOptions {
   std::uint64_t most_bytes = 0;  ///< of any file it writes; 0 = no limit
 };
 
-/// Owns the process: whoever drops it kills it and its children.
+/// Owns the process: the destructor kills it and its children.
 ///
 /// The child has a process group of its own and nothing on standard input. What
 /// it prints goes to standard error, the first part of it (Firn's own standard
 /// output carries data). It leaves no core file, ends with the thread that started
-/// it, and is what the system kills first when memory runs out.
+/// it, and the system kills it first when memory runs out.
 class ChildProcess {
  public:
   ChildProcess() = default;

@@ -12,7 +12,7 @@ namespace firn::guest {
 /// Each step runs the command once: {in} is a trajectory whose last frame is the
 /// state and whose attribute `scene` states a fixed step (the Δt to take), {out}
 /// the file to write, {steps} how many steps (1). Stops only between steps. The
-/// file is read in a process of its own: HDF5 may crash on bytes that are none.
+/// file is read in a separate process, because HDF5 may crash on invalid bytes.
 class CommandSolver : public Solver {
  public:
   CommandSolver(const std::string& command, const SolverOptions& options);
@@ -40,8 +40,8 @@ class CommandSolver : public Solver {
   std::filesystem::path folder_;  ///< of its own, removed at the end
 };
 
-/// The command's words: blanks separate, single or double quotes hold together.
-/// Throws InputError for an open quote.
+/// The words of a command, separated by blanks; single or double quotes keep blanks in a word.
+/// Throws InputError if a quote is not closed.
 std::vector<std::string> split_command(const std::string& command);
 
 }  // namespace firn::guest

@@ -1,6 +1,6 @@
 #pragma once
-/// Anybody's solver behind the interface of Firn, in a process of its own:
-/// whatever it does there (a crash, an endless loop, a wrong answer) ends as a
+/// Other people's solvers behind the interface of Firn, each in a process of its own:
+/// whatever goes wrong there (a crash, an endless loop, a wrong answer) becomes a
 /// SimulationError that names the guest, within a time limit.
 ///
 ///     ./libmine.so                                   a shared library, firn/firn_guest.h

@@ -1,5 +1,5 @@
 #pragma once
-/// What a guest prints: passed on to standard error, but never without end.
+/// Passes what a guest prints on to standard error, up to a limit.
 
 #include <cstddef>
 #include <memory>
@@ -23,7 +23,7 @@ class OutputRelay {
   /// the other end.
   void stop();
 
-  /// The last line with anything in it, fit for a message. Valid after stop().
+  /// The last line that is not empty, as one line for a message. Valid after stop().
   const std::string& last_line() const { return last_line_; }
 
  private:

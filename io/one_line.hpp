@@ -1,5 +1,5 @@
 #pragma once
-/// Text from outside, made fit for a message.
+/// Untrusted text, made safe for a one-line message.
 
 #include <cstddef>
 #include <string>

@@ -1,5 +1,5 @@
 #pragma once
-/// The third way to fail: the disk.
+/// The third way to fail: the disk (firn/error.hpp has the other two).
 
 #include <stdexcept>
 

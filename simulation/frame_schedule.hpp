@@ -6,8 +6,8 @@
 
 namespace firn {
 
-/// A function of step number and time alone, so that a resumed run decides as
-/// the uninterrupted one did.
+/// Depends only on step number and time, so that a resumed run decides as the
+/// uninterrupted one did.
 ///
 /// A time that n additions of Δt reached carries n roundings, and Δt itself is
 /// rounded: (n+1)·2⁻⁵³ relative. A moment counts as reached within twice that,

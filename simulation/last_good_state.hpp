@@ -1,5 +1,5 @@
 #pragma once
-/// The way back when a step failed.
+/// The state to return to when a step fails.
 
 #include <cstddef>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs a scene on a solver: frames, diagnostics, resuming, and an end in order
+/// Runs a scene on a solver: frames, diagnostics, resuming, and an orderly end
 /// whatever happens.
 
 #include <array>
@@ -29,7 +29,7 @@ struct Progress {
   const DiagnosticsRow* diagnostics = nullptr;  ///< of this step; valid during the call
 };
 
-/// After every frame, once it is in the file for good.
+/// After every frame, once it is safely in the file.
 struct FrameReport {
   std::int64_t frame = 0;  ///< its number in the file
   std::int64_t step = 0;

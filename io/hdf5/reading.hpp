@@ -1,7 +1,7 @@
 #pragma once
-/// HDF5 1.10 itself crashes on some damaged files: it believes lengths that they state.
-/// Nothing can be checked beforehand that would not be HDF5 over again; but a program can
-/// say which file it was.
+/// HDF5 1.10 itself crashes on some damaged files, because it trusts the lengths they state.
+/// Checking them beforehand would mean writing HDF5 again, but a program can at least report
+/// which file it was reading.
 
 #include <filesystem>
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The seam to OpenVDB: what needs that library, in one file with it
-/// (volume_openvdb.cpp) and one without (volume_missing.cpp).
+/// Everything that needs OpenVDB: implemented with it in volume_openvdb.cpp, and as an error
+/// without it in volume_missing.cpp.
 
 #include <array>
 #include <cstdint>
@@ -35,7 +35,7 @@ void require_samples_fit(const std::array<double, 3>& size, const std::string& w
 void count_inside(const TriangleMesh& shell, const SampleGrid& grid, int amount,
                   std::vector<std::int16_t>& count, const std::string& where);
 
-/// A level set as its file holds it: right where |φ| < band, of the right sign elsewhere.
+/// A level set as its file holds it: exact where |φ| < band, only the sign is right elsewhere.
 struct LevelSet {
   SampleGrid grid;
   std::vector<float> phi;

@@ -1,5 +1,5 @@
 #pragma once
-/// The little of HDF5 that a results file needs: groups, numbers, texts.
+/// The few HDF5 operations that a results file needs: groups, numbers, texts.
 
 #include <hdf5.h>
 #include <string>

@@ -25,7 +25,7 @@ struct Quantity {
 
 enum class Status {
   measured,  ///< valid, and its spread is narrow enough to be quoted
-  noisy,     ///< valid, but the repetitions spread too widely for a number
+  noisy,     ///< valid, but the repetitions spread too widely to quote a median
   invalid,   ///< validation failed: not timed
   failed,    ///< the solver threw; `message` says what
 };
@@ -35,11 +35,11 @@ std::string_view name(Status status);
 struct Case {
   std::string suite;    ///< "steps"
   std::string name;     ///< unique in its suite: "optimized,float,plastic,100000,1"
-  std::string title;    ///< for people
+  std::string title;    ///< a title for readers
   std::string command;  ///< measures it again
   Status status = Status::measured;
-  std::string message;     ///< why not `measured`
-  std::string validation;  ///< what was compared before it was timed, and how near it came
+  std::string message;     ///< why it is not `measured`
+  std::string validation;  ///< what was compared before it was timed, and the largest error
   Facts parameters;        ///< solver, precision, threads, particles, …
   std::vector<Quantity> quantities;
   std::vector<double> calibration;  ///< the fixed loop, right before and right after [s]
@@ -56,10 +56,10 @@ struct Check {
   std::string command;  ///< repeats this check
 };
 
-/// One deliberately wrong solver and who caught it.
+/// One deliberately wrong solver and what caught it.
 struct Mutant {
   std::string name, patch;  ///< what was done to which function
-  std::string stage;        ///< the stage it lives in, or "several"
+  std::string stage;        ///< the stage that is wrong, or "several"
   std::string named_stage;  ///< the stage that `check` named
   std::string caught_by;    ///< the first check that failed; empty: survived
   bool caught = false;

@@ -15,7 +15,7 @@ TimeSettings read_time(const TomlTable& table, double scale);
 IntegratorSettings read_integrator(const TomlTable& table);
 std::vector<Material> read_materials(const std::vector<TomlTable>& tables);
 
-/// What shapes, bodies and colliders need to know of the rest of the scene.
+/// What shapes, bodies and colliders need from the rest of the scene.
 struct SceneContext {
   const Scene& scene;  ///< grid and materials are read
   const std::filesystem::path& base_dir;
@@ -31,7 +31,7 @@ enum class ShapeUse { body, collider };
 /// from wherever it is read.
 std::string shape_file(const TomlTable& shape, const SceneContext& context);
 
-/// Every shape but `particles`, which is no shape but a list of particles.
+/// Every shape except `particles`, which is a list of particles, not a shape.
 Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext& context);
 
 }  // namespace firn

@@ -1,6 +1,6 @@
 #pragma once
-/// Scenes from TOML. Every key is documented in docs/scene_format.md; a key that
-/// is not known, a value out of range, a file that cannot be read: InputError.
+/// Scenes from TOML. Every key is documented in docs/scene_format.md. An unknown key, a
+/// value out of range or a file that cannot be read is an InputError.
 
 #include <cstdint>
 #include <filesystem>
@@ -15,7 +15,7 @@ struct SceneOptions {
   /// Refinement s in [0.01, 100]: spacing becomes h/s, `step` and `max_step`
   /// become Δt/s, so that the number of particles grows as s³, the number of
   /// steps as s, and both Courant numbers stay. Lengths of the scene stay; a
-  /// period must still be a whole number of h. Bodies read from particle files
+  /// period must still be a whole multiple of h. Bodies read from particle files
   /// cannot be refined.
   double scale = 1;
 
@@ -37,7 +37,7 @@ Scene read_scene_file(const std::filesystem::path& path, const SceneOptions& opt
 
 /// The scene that a command line names. With a path separator or the ending
 /// `.toml` it is a file, otherwise a built-in scene, and if there is no such
-/// scene a file again. The complaint about an unknown name lists names like it.
+/// scene a file again. The error for an unknown name lists similar names.
 Scene find_scene(const std::string& name_or_path, const SceneOptions& options = {});
 
 /// The scene with every default written out, as trajectories store it

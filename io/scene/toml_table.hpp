@@ -1,7 +1,6 @@
 #pragma once
-/// A TOML table read with suspicion: every getter checks presence, type and
-/// range, and every complaint is one line that names file, line, key, value and
-/// what would have been allowed.
+/// A TOML table whose getters check presence, type and range. Every error is one
+/// line that names file, line, key, value and what is allowed.
 
 #include <cstdint>
 #include <initializer_list>
@@ -18,7 +17,7 @@ namespace firn {
 
 /// Interval of allowed numbers, printed as mathematicians do: "(0, 1e+09] m".
 /// The far ends are finite on purpose: they keep h³, masses and node indices
-/// representable without ever getting into the way of a physical scene.
+/// representable, and no physical scene comes near them.
 struct Range {
   double low = 0, high = 0;
   bool low_included = true, high_included = true;

@@ -38,7 +38,7 @@ struct QuantityComparison {
   std::optional<double> first_different_time;  ///< first frame in which they differ [s]
 };
 
-/// A frame of which the two files hold different particles.
+/// A frame in which the two files hold different particles.
 struct ParticleMismatch {
   double time = 0;  ///< [s]
   std::int64_t only_in_a = 0, only_in_b = 0;

@@ -29,14 +29,14 @@ class TrajectoryFile {
   void write_rows(std::int64_t first, std::span<const DiagnosticsRow> rows);
   void write_frame(std::int64_t frame, const State& state, std::span<const std::byte> restart);
 
-  /// Everything written so far goes to the file, in an order of HDF5's own.
+  /// Flushes everything written so far to the file, in an order that HDF5 chooses.
   void flush();
 
   /// The counts, each in one write to the file.
   void count_rows(std::int64_t rows);
   void count_frames(std::int64_t frames, double time);
 
-  /// To the disk itself, as befits a file that is to replace another.
+  /// Forces the file to the disk, before it replaces another.
   void sync();
 
   const TrajectorySize& size() const { return size_; }

@@ -4,9 +4,9 @@
 /// Lockstep: the subject starts every stage from the reference's own state, so
 /// errors do not compound, and each field that the stage writes is compared
 /// with a bound derived from the roundoff of that stage's own arithmetic
-/// (bounds.hpp). Free running: both start from the same state and are left
-/// alone; what they may differ by follows from how fast a twin of the reference
-/// departs (free_running.cpp).
+/// (bounds.hpp). Free running: both start from the same state and run on their
+/// own; how much they may differ follows from how fast a perturbed twin of the
+/// reference departs (free_running.cpp).
 
 #include <cstddef>
 #include <cstdint>
@@ -27,7 +27,7 @@ enum class CheckMode { lockstep, free_running };
 struct CheckOptions {
   CheckMode mode = CheckMode::lockstep;
   std::int64_t steps = 10;      ///< ≥ 1, steps compared
-  std::int64_t start_step = 0;  ///< ≥ 0, the reference runs this far alone first
+  std::int64_t start_step = 0;  ///< ≥ 0, steps of the reference before the comparison
   /// Called after each step with the number done; false ends the check there
   /// (interrupted: the report covers the steps done).
   std::function<bool(std::int64_t done)> progress{};
@@ -111,7 +111,7 @@ CheckReport run_check(const Scene& scene, Solver& reference, Solver& subject,
 CheckReport run_check(const Scene& scene, const State& initial, Solver& reference, Solver& subject,
                       const CheckOptions& options = {});
 
-/// The table for people: one row per stage and field, the verdict last.
+/// The report as a table: one row per stage and field, the verdict last.
 std::string to_table(const CheckReport& report);
 
 /// The same as JSON text. Non-finite numbers become strings ("nan", "inf").

@@ -12,7 +12,7 @@
 namespace firn::check {
 
 /// Collects what the modes find. Rows appear in the order in which they first occur;
-/// the first divergence is the first one told.
+/// the first divergence is the first one recorded.
 class Recorder {
  public:
   explicit Recorder(CheckReport& report) : report_(report) {}
