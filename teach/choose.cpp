@@ -90,8 +90,9 @@ Choice choose_node(const StepRecord& record, const std::vector<StencilNode>& ste
     const std::pair<bool, double> rank{in_contact(record, n.node), n.w_ip};
     if (rank <= best) continue;
     best = rank;
-    choice = {n.node, rank.first ? "Of the particle's nodes in contact it has the largest weight."
-                                 : "Of the particle's nodes it has the largest weight."};
+    choice = {n.node, rank.first
+                          ? "Among the particle's nodes in contact it has the largest weight."
+                          : "Among the particle's nodes it has the largest weight."};
   }
   return choice;
 }
@@ -102,7 +103,7 @@ Choice given_particle(const StepRecord& record, std::int64_t id) {
   if (place == ids.end())
     throw InputError("--particle", "id", std::to_string(id),
                      "the id of a particle, below " + std::to_string(ids.size()));
-  return {static_cast<std::size_t>(place - ids.begin()), "It was asked for by --particle."};
+  return {static_cast<std::size_t>(place - ids.begin()), "It was chosen with --particle."};
 }
 
 Choice given_node(const StepRecord& record, const NodeIndex& node) {
@@ -113,7 +114,7 @@ Choice given_node(const StepRecord& record, const NodeIndex& node) {
     text.append(",").append(std::to_string(node.j)).append(",").append(std::to_string(node.k));
     throw InputError("--node", "i,j,k", text, "a node that has mass in the step shown");
   }
-  return {static_cast<std::size_t>(place - nodes.begin()), "It was asked for by --node."};
+  return {static_cast<std::size_t>(place - nodes.begin()), "It was chosen with --node."};
 }
 
 }  // namespace firn::teach

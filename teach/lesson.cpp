@@ -41,7 +41,7 @@ Found given_step(const Scene& scene, const State& initial, std::int64_t step) {
   const auto solver = make_reference_solver({});
   solver->load(scene, initial);
   for (std::int64_t n = 0; n < step; ++n) solver->step(solver->choose_time_step().dt);
-  Found found{initial, "It was asked for by --step."};
+  Found found{initial, "It was chosen with --step."};
   solver->store(found.start);
   return found;
 }
@@ -78,11 +78,11 @@ Found interesting_step(const Scene& scene, const State& initial) {
     state = std::move(record.after.back());
     state.grid.clear();
   }
-  best.why =
-      best_events.kinds() == 0
-          ? "Within reach of the search no step of this scene has contact or yielding."
-          : "Of the steps searched it is the first in which most kinds of events meet (nodes in "
-            "contact, snow that yields, particles in contact) and many particles yield.";
+  best.why = best_events.kinds() == 0
+                 ? "None of the steps that were searched has contact or yielding."
+                 : "It is the first of the steps searched in which most kinds of events coincide "
+                   "(nodes in "
+                   "contact, snow that yields, particles in contact) and many particles yield.";
   return best;
 }
 
