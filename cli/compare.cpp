@@ -1,4 +1,4 @@
-/// firn compare: two trajectories, whoever wrote them.
+/// firn compare: two trajectories, also ones that other programs wrote.
 
 #include "io/trajectory/compare.hpp"
 

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int channel = 3;
 
-/// What the guest is told of a scene; lives as long as the scene is loaded.
+/// The scene as the guest sees it; lives as long as the scene is loaded.
 class GuestScene {
  public:
   explicit GuestScene(Scene scene) : scene_(std::move(scene)) {

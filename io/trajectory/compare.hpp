@@ -1,5 +1,5 @@
 #pragma once
-/// Compares two trajectories, whoever wrote them.
+/// Compares two trajectories, also ones that other programs wrote.
 
 #include <cstdint>
 #include <filesystem>

@@ -1,5 +1,5 @@
 #pragma once
-/// Reads trajectories, whoever wrote them.
+/// Reads trajectories, also ones that other programs wrote.
 
 #include <cstddef>
 #include <cstdint>

@@ -40,7 +40,7 @@ void add(const std::string& what, std::int64_t numbers, double ratio, double err
     row.detail = where;
   }
   if (valid) return;
-  // The first failure of a row is told; the others only make its number larger.
+  // The first failure of a row is reported; the others only make its number larger.
   if (row.valid)
     ADD_FAILURE() << what << ": "
                   << (bound > 0 || error != 0
