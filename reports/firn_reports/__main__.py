@@ -65,14 +65,14 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument(
         "--readme-table",
         action="store_true",
-        help="print the summary of results as Markdown and write no page",
+        help="print a summary of the results as Markdown instead of making a page",
     )
     parser.add_argument(
         "-o",
         "--output",
         default="report",
         metavar="DIR",
-        help="folder of the page (default: report)",
+        help="folder for the page (default: report)",
     )
     return parser.parse_args(arguments)
 

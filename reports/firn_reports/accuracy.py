@@ -202,7 +202,7 @@ def work_precision(problem: str, cases: Sequence[Case]) -> Figure:
         f"{problem}: run time against error",
         to_svg(figure),
         command=command(problem),
-        caption="Down and left is better. Pale: every run, over h, Δt, α and β; lines: the front of each method; ringed: nobody is both faster and more accurate.",
+        caption="Down and left is better. Pale: every run, over h, Δt, α and β; lines: the front of each method; ringed: no other run is both faster and more accurate.",
     )
 
 
@@ -263,7 +263,7 @@ def time_to_error(results: Results) -> list[Table]:
                     "measure again",
                 ],
                 rows,
-                "The fastest run over h, Δt, α and β whose error is small enough. A method without a row did not get there in any run.",
+                "The fastest run over h, Δt, α and β whose error is small enough. A method without a row did not reach that error in any run.",
                 "firn bench accuracy",
                 open=True,
             )

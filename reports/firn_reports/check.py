@@ -55,7 +55,7 @@ def section(checks: list[Check]) -> Section:
     result = Section(
         "check",
         "Stage by stage against the reference",
-        "Every field that a stage writes, in units of the bound that roundoff allows it. At 1 the bound is reached.",
+        "Every field that a stage writes, in units of its bound, which follows from roundoff. At 1 the error reaches the bound.",
     )
     for i, check in enumerate(checks, 1):
         result.figures.append(figure(check))

@@ -139,7 +139,7 @@ def fronts(cases: Sequence[Case]) -> list[Figure]:
                 to_svg(figure),
                 command="firn bench 'implicit/error*'",
                 caption="Displacements from free fall after 24 ms of impact, against explicit steps an eighth of the limit; r from ½ to 20. "
-                "Lines: the front of each method; ringed: nobody is both faster and more accurate.",
+                "Lines: the front of each method; ringed: no other run is both faster and more accurate.",
             )
         )
     return made

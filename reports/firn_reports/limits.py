@@ -264,9 +264,9 @@ def lone_particle(cases: Sequence[Case]) -> list[Figure]:
             to_svg(figure),
             command="firn bench 'stability/*,place*'",
             caption=off_by(cases)
-            + " Step 2 takes the mass density at the particle's own nodes for the density of the snow: a lone particle, or one that has come off a surface, is "
-            "given 8 to 10.3 h³ = 1/(ΣN²)³ however little it weighs, and so a third of the stable step. In the bulk at one particle per cell the estimate "
-            "is right on average, and the limit stays near that of the wave (the panel on estimated volumes).",
+            + " Step 2 takes the density of the snow from the particle's own nodes: a lone particle, or one that has left a surface, is "
+            "given 8 to 10.3 h³ = 1/(ΣN²)³, whatever its mass, and therefore a third of the stable step. In the bulk, at one particle per cell, the estimate "
+            "is right on average, and the limit stays near that of the wave (see the figure on estimated volumes).",
         )
     ]
 
@@ -285,13 +285,13 @@ def drift(cases: Sequence[Case]) -> Figure:
     log_axis(axes, "x")
     log_axis(axes, "y")
     axes.set_xlabel("steps")
-    axes.set_ylabel("RMS velocity off the reference's")
+    axes.set_ylabel("RMS difference of velocity from the reference")
     legend(axes)
     return Figure(
         "Drift of a ringing elastic block",
         to_svg(figure),
         command="firn bench 'float/drift*'",
-        caption="From the same state, left alone, against the reference in double.",
+        caption="Both start from the same state; compared with the reference in double.",
     )
 
 
@@ -352,8 +352,8 @@ def stress_table(results: Results) -> list[Table]:
             "Under stress: what each solver did",
             ["situation", "expected", *solvers, "measure again"],
             rows,
-            "Twenty steps of a few particles. “goes on”: every number stays finite and momentum holds to roundoff; “stops”: the step fails and says where. "
-            "Going on with a number that is not finite is never right.",
+            "Twenty steps of a few particles. “goes on”: every number stays finite and momentum is conserved to roundoff; “stops”: the step fails and reports where. "
+            "It is always an error to go on with a number that is not finite.",
             "firn bench stress",
             open=True,
         )

@@ -173,7 +173,7 @@ def speed(results: Results) -> list[Figure]:
                 "Times faster than the reference",
                 bars(rows, "times the reference (double, 1 thread)"),
                 command="firn bench speedup",
-                caption="Repetitions of both solvers took turns, so that a slow minute of the machine hits both."
+                caption="Repetitions of both solvers took turns, so that a slow minute of the machine affects both."
                 + left_out(results.suite("speedup")),
             )
         )
@@ -339,7 +339,7 @@ def roofline(results: Results) -> list[Figure]:
                 to_svg(figure),
                 command="firn bench roofline steps",
                 caption=f"{PLAIN_FLOP} flop and {PLAIN_NUMBERS} numbers moved per particle-step by the plain count; the largest block of each. "
-                "Percentages are of the FMA peak. Right of the bend arithmetic bounds.",
+                "Percentages are of the FMA peak. To the right of the bend, arithmetic is the limit.",
             )
         )
     return made
@@ -578,7 +578,7 @@ def verification(results: Results) -> list[Figure]:
                 f"{subject}: {verdict['verdict']}",
                 to_svg(figure),
                 command=verdict["command"],
-                caption="Topics without a bar are exact: equal bits, or yes or no.",
+                caption="Topics without a bar are exact: equal bits, or a yes-or-no check.",
             )
         )
     return made

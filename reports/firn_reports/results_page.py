@@ -16,26 +16,26 @@ from .results import Case, Results
 
 INTRO = {
     "speed": "Wall time of whole steps: medians of all repetitions, bars from the first to the third quartile. "
-    "Every solver took one step beside the reference before it was timed. In the elastic block no particle yields, in the plastic one every particle does in every step.",
-    "roofline": "What this machine can do at best, probed in the same run, and how near the steps come. The FMA peak is that of the widest instruction set, named in the figures: "
-    "chains of multiply-adds in registers, two flop per lane. A step's arithmetic is counted as a plain one needs it: 64 nodes × (13 values scattered + 15 gathered) multiply-adds "
-    "and 8 products of weights, the update of F left out; so a step that factors the kernel does less and looks better than it is by this count. "
-    "The section on instruction sets counts what the factored step needs, against the peak of each set.",
-    "stages": "Where a step spends its time. Stages that a solver runs as one are named together.",
-    "accuracy": "Error against exact solutions, and what it costs in time. A convergence plot of a FLIP blend depends on how α is chosen: the policy is named in each line. "
+    "Every solver was checked against the reference for one step before it was timed. In the elastic block no particle yields; in the plastic block every particle yields in every step.",
+    "roofline": "What this machine can do at best, measured in the same run, and how near the steps come to it. The FMA peak is that of the widest instruction set, named in the figures: "
+    "chains of multiply-adds in registers, two flop per lane. The work of a step is that of a plain implementation: 64 nodes × (13 values scattered + 15 gathered) multiply-adds "
+    "and 8 products of weights, without the update of F. A step that factors the kernel does less work than this count, so its share looks higher than it is. "
+    "The section on instruction sets counts what the factored step needs and compares it with the peak of each set.",
+    "stages": "Where a step spends its time. Stages that a solver runs together share one row.",
+    "accuracy": "Error against exact solutions, and the time it takes. Convergence of a FLIP blend depends on how α is chosen; each line names the policy. "
     "`rate` means 1 − α ∝ Δt, a fixed damping per time. “implicit β” is the semi-implicit step, solved to 1e-6. "
-    "These are errors of the method; what a solver's own arithmetic adds, at the same h, Δt and α, is under “Verification” (every stage in bounds of roundoff) and “Accuracy of float” (drift).",
-    "implicit": "A semi-implicit step costs a solve and may be longer. Here is what it costs, how many iterations it takes, and when it reaches a given error sooner than explicit steps do. "
-    "A cube of snow that lands on a floor at 1.5 m/s; r is Δt over ½ h/c. Every residual was computed anew after the iteration.",
-    "stability": "Every step that a bisection tried, and the limit between those that held and those that burst, in units of h/c with the hardened sound speed c. F is perturbed by 1e-7; a run of 600 steps "
-    "is unstable where that grows 1e4-fold. Dashed: predicted from the plane-wave recurrence, or for a lone particle from its own factor 1 − z². "
-    "Distances are from the step from which the predicted growth is seen in 600 steps, 0.3 to 2 % beyond the limit itself.",
-    "snowball": "A plastic impact has no formal order of convergence. What can be said are bands over seeds of the sampling.",
-    "skips": "Share of a step that each skip saves, with and without it taking turns. Below zero it costs.",
+    "These are errors of the method. For the errors of a solver's own arithmetic, at the same h, Δt and α, see “Verification” (every stage in units of its roundoff bound) and “Accuracy of float” (drift).",
+    "implicit": "A semi-implicit step needs a solve but may be longer. This section shows what it costs, how many iterations it takes, and when it reaches a given error sooner than explicit steps. "
+    "The scene is a cube of snow that lands on a floor at 1.5 m/s; r is Δt over ½ h/c. Every residual was recomputed after the iteration.",
+    "stability": "Every time step that the bisections tried, and the limit between stable and unstable ones, in units of h/c with the hardened sound speed c. F is perturbed by 1e-7; a run of 600 steps "
+    "is unstable if the perturbation grows 1e4-fold. Dashed: predicted from the plane-wave recurrence or, for a lone particle, from its own factor 1 − z². "
+    "Distances are measured from the step at which the predicted growth becomes visible in 600 steps, 0.3 to 2 % beyond the limit itself.",
+    "snowball": "A plastic impact has no formal order of convergence. This section shows bands over seeds of the sampling instead.",
+    "skips": "Share of a step that each skip saves, from runs with and without it in turn. A negative value means that the skip costs time.",
     "targets": "The same code on every instruction set that this processor has.",
-    "float": "What single precision costs, beside double: errors that are zero in exact arithmetic.",
-    "kernels": "Single kernels, each validated before it was timed, on every instruction set of this processor, beside what libraries offer. P2G to “positions” are stages of a block that stays in the cache; "
-    "the optimized solver scatters mass, momentum and forces in one pass, which its row “P2G, mass and momentum” holds, and makes its weights inside it.",
+    "float": "What single precision costs compared with double: errors that would be zero in exact arithmetic.",
+    "kernels": "Single kernels, each validated before it was timed, on every instruction set of this processor, next to library routines. The rows from P2G to “positions” are stages of a block that stays in the cache. "
+    "The optimized solver scatters mass, momentum and forces in one pass and computes its weights there; its row “P2G, mass and momentum” contains all of this.",
 }
 
 
@@ -267,7 +267,7 @@ def shortened(text: str, most: int = 130) -> str:
 
 
 def look_at(results: Results, changes: list[Change], broken: list[Case]) -> list[tuple[str, str]]:
-    """The few things that deserve a reader's minute."""
+    """The few facts that a reader should look at first."""
     found = []
     asked = max((int(s.get("cases_asked_for", 0)) for s in results.sessions), default=0)
     if asked > len(results.cases):
@@ -286,7 +286,7 @@ def look_at(results: Results, changes: list[Change], broken: list[Case]) -> list
     if busy:
         found.append(
             (
-                f"The machine was busy: load {number(busy[0], 3)} on {busy[1]} processors. Ratios of interleaved runs hold, absolute times do not",
+                f"The machine was busy: load {number(busy[0], 3)} on {busy[1]} processors. Ratios of interleaved runs are reliable, absolute times are not",
                 "noise",
             )
         )
@@ -448,9 +448,9 @@ def noise_section(results: Results) -> Section:
     section.figures = figures.noise(results)
     if section.figures:
         section.intro = (
-            "A fixed loop of a million dependent multiply-adds ran three times before and after each case. Whatever it varies by, the machine did. "
-            "A timing is quoted if its repetitions leave the median uncertain by at most 5 % (standard error, from the quartiles); a case that does not reach this is run up to four "
-            "times, every repetition kept, and then says so instead of giving a number."
+            "A fixed loop of a million dependent multiply-adds ran three times before and after each case. Its variation is that of the machine. "
+            "A timing is quoted if its repetitions leave the median uncertain by at most 5 % (standard error, from the quartiles). Otherwise the case is run up to four "
+            "times, every repetition is kept, and if that is not enough the case is reported as noisy, without a number."
         )
     section.tables = tables.noisy(results)
     return section

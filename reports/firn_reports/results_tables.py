@@ -356,7 +356,7 @@ def noisy(results: Results) -> list[Table]:
                 "Too noisy to quote",
                 ["suite", "case", "why", "fixed loop varied by", "took [s]", "measure again"],
                 rows,
-                "Their repetitions are in the file and under “Every repetition”, their medians nowhere.",
+                "Their repetitions are in the file and under “Every repetition”; their medians are not quoted anywhere.",
                 "firn bench",
             )
         ]

@@ -107,8 +107,8 @@ def build(trajectory: Trajectory, checks: list[Check], command: str = "") -> tup
         png=png,
         command=run,
         caption=(
-            "Particles at three moments, coloured by J_P = det F_P: blue where the snow was compacted for good, "
-            "amber where it was pulled apart, white where it is as it fell."
+            "Particles at three moments, coloured by J_P = det F_P: blue where the snow is permanently compacted, "
+            "amber where it was pulled apart, white where it is unchanged."
         ),
     )
     set_verdict(page, checks)
@@ -214,7 +214,7 @@ def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
             ["kinetic_energy", "elastic_energy", "gravitational_energy", total],
             "energy [J]",
             "Energies",
-            "What the total loses goes into plastic work, friction, contact and the damping of the PIC part.",
+            "The total decreases by plastic work, friction, contact and the damping of the PIC part.",
             ["kinetic", "elastic", "gravitational", "total"],
             flight=free,
         ),
@@ -223,8 +223,8 @@ def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
             [laws.momentum_error],
             "|p − (p0 + M g t)| / |p|",
             "Momentum against its law",
-            "Gravity is the only outer force until a collider is in reach (dotted): up to there only roundoff may show; "
-            "after it the ground pushes back.",
+            "Until a collider is in reach (dotted line), gravity is the only external force and only roundoff may show; "
+            "after that the ground pushes back.",
             log=True,
             flight=free,
         ),
@@ -251,7 +251,7 @@ def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
             ["min_J_E", "max_J_E"],
             "J_E",
             "Range of det F_E",
-            "The elastic volume ratio stays inside the box that θ_c and θ_s allow, cubed.",
+            "The elastic volume ratio stays between (1 − θ_c)³ and (1 + θ_s)³.",
             ["smallest", "largest"],
             flight=free,
         ),

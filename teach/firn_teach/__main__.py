@@ -14,7 +14,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     parser.add_argument("lesson", metavar="LESSON", help="lesson.json, written by `firn teach`")
     parser.add_argument(
-        "-o", "--output", default="lesson", metavar="DIR", help="folder of the pages"
+        "-o", "--output", default="lesson", metavar="DIR", help="folder for the pages"
     )
     parser.add_argument(
         "--web-module",

@@ -270,7 +270,7 @@ def svd_sections(lesson: Lesson) -> list[Section]:
         Section(
             "sweeps",
             "The same matrix, sweep by sweep",
-            "One-sided Jacobi in NumPy on F̂_E: the largest cosine between two columns after each sweep, squared from one to the next until roundoff is reached.",
+            "One-sided Jacobi in NumPy on F̂_E: the largest cosine between two columns after each sweep. Each sweep squares it, until roundoff is reached.",
             tables=[table(["sweep", "largest cosine", "lengths of the columns"], jacobi(F))],
         ),
         Section(
@@ -332,7 +332,7 @@ def implicit_sections(lesson: Lesson) -> list[Section]:
         }
         - {""}
     )
-    intro = "The same stretch of time from the state of this lesson, in ever longer steps: energy at its end, and what the first solve took."
+    intro = "The same stretch of time from the state of this lesson, in longer and longer steps: the energy at its end, and the iterations of the first solve."
     columns = [
         "Δt, multiple",
         "Δt [s]",
@@ -347,7 +347,7 @@ def implicit_sections(lesson: Lesson) -> list[Section]:
         Section(
             "measured",
             "Measured on this scene",
-            intro + (" What failed: " + "; ".join(errors) + "." if errors else ""),
+            intro + (" Failures: " + "; ".join(errors) + "." if errors else ""),
             figures=[pictures.implicit_energy(lesson)],
             tables=[table(columns, rows)],
         )
@@ -368,7 +368,7 @@ def implicit_sections(lesson: Lesson) -> list[Section]:
             Section(
                 "check",
                 "The optimized solver on the same system",
-                "Checked on this step with the integrator exchanged.",
+                "Checked on this step with the integrator replaced.",
                 tables=[table(["precision", "property", "numbers", "verdict"], found)],
             )
         )
@@ -445,7 +445,7 @@ def optimized_sections(lesson: Lesson, pages: list[Chapter]) -> list[Section]:
             Section(
                 "check",
                 "This step",
-                "The optimized solver does not take scenes of this kind, so there is nothing to compare here. Try firn teach tiny_impact.",
+                "The optimized solver does not support scenes of this kind, so there is nothing to compare here. Try firn teach tiny_impact.",
             )
         )
     return sections

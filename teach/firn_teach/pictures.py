@@ -231,7 +231,7 @@ def volumes(v: View) -> list[Figure]:
     one = Figure(
         "Density that the particles see",
         to_svg(figure),
-        caption="In the first step. Near the surface part of the kernel is empty, and the density comes out low.",
+        caption="In the first step. Near the surface part of the kernel is empty, so the estimated density is too low.",
     )
     figure, axes = panel(4.6, 2.9)
     axes.hist(density, bins=40, color=BLUE)
@@ -329,7 +329,7 @@ def grid_collisions(v: View) -> list[Figure]:
         Figure(
             "Before and after contact",
             to_svg(figure),
-            caption=f"Grey: v_i* before, blue: after. {int(changed.sum())} nodes of the scene are in contact, {sticks} of them came to rest. "
+            caption=f"Grey: v_i* before; blue: after. {int(changed.sum())} nodes of the scene are in contact, {sticks} of them came to rest. "
             f"Momentum taken up from the solids: ({impulse[0]:.3g}, {impulse[1]:.3g}, {impulse[2]:.3g}) kg m/s.",
             wide=False,
         )
@@ -384,9 +384,9 @@ def implicit_energy(lesson: Lesson) -> Figure:
     legend(axes)
     span = trials[0]["steps"]
     return Figure(
-        "How far either method goes",
+        "How long a step each method can take",
         to_svg(figure),
-        caption=f"The energy after the time of {span} step{'s' if span > 1 else ''} of this scene, reached with longer steps. A missing point failed outright.",
+        caption=f"The energy after the time of {span} step{'s' if span > 1 else ''} of this scene, reached with longer steps. Where a point is missing, the run failed.",
     )
 
 
@@ -483,7 +483,7 @@ def deformation(v: View) -> list[Figure]:
         Figure(
             "Plastic flow",
             to_svg(figure),
-            caption="Below 1 the snow was compressed for good, above 1 it was torn.",
+            caption="Below 1 the snow is permanently compressed, above 1 it is torn.",
         ),
     ]
 
