@@ -142,7 +142,7 @@ std::unique_ptr<Solver> make_mutant(const std::string& solver, const SolverOptio
 }  // namespace
 
 SolverFamily mutant_family() {
-  return {"mutant:NAME", "wrong on purpose: the reference with one mistake",
+  return {"mutant:NAME", "the reference with one deliberate mistake",
           begins_with(mutants::prefix), make_mutant};
 }
 
