@@ -16,6 +16,7 @@ from pathlib import Path
 
 
 def arguments() -> argparse.Namespace:
+    """The options of the command line."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--clang-tidy", required=True)
     parser.add_argument("--build", type=Path, required=True)
@@ -35,6 +36,7 @@ def own_headers(file: Path, source: Path, seen: set[Path]) -> set[Path]:
 
 
 def fingerprint(file: Path, source: Path) -> str:
+    """Hash of the file, its headers and the checks."""
     digest = hashlib.sha256((source / ".clang-tidy").read_bytes())
     for part in [file, *sorted(own_headers(file, source, set()))]:
         digest.update(part.read_bytes())
@@ -42,6 +44,7 @@ def fingerprint(file: Path, source: Path) -> str:
 
 
 def main() -> int:
+    """Exit status: 1 if there are findings."""
     a = arguments()
     a.source, a.build = a.source.resolve(), a.build.resolve()
     commands = json.loads((a.build / "compile_commands.json").read_text())
@@ -60,6 +63,7 @@ def main() -> int:
     stamps.mkdir(exist_ok=True)
 
     def look(file: Path) -> tuple[Path, int, str]:
+        """(file, exit status, findings) of one file."""
         stamp = stamps / file.relative_to(a.source).as_posix().replace("/", "__")
         key = fingerprint(file, a.source)
         if stamp.is_file() and stamp.read_text() == key:

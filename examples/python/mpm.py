@@ -30,6 +30,7 @@ ARRAYS = {
 
 
 def read(path: str) -> tuple[Scene, State, float]:
+    """Scene, particles and time [s] of the last frame."""
     with h5py.File(path) as file:
         scene = tomllib.loads(file["firn"].attrs["scene"])
         vtk = file["VTKHDF"]
@@ -44,6 +45,7 @@ def read(path: str) -> tuple[Scene, State, float]:
 
 
 def write(path: str, state: State, time: float) -> None:
+    """A trajectory of one frame."""
     n = len(state["x"])
     with h5py.File(path, "w") as file:
         vtk = file.create_group("VTKHDF")
@@ -151,6 +153,7 @@ def collide(scene: Scene, t: float, x: Array, v: Array) -> Array:
 
 
 def step(scene: Scene, s: State, t: float) -> float:
+    """One time step: changes the particles `s`, returns the new time [s]."""
     dt, alpha = scene["time"]["step"], scene["transfer"]["flip"]
     h, origin = scene["grid"]["spacing"], np.array(scene["grid"]["origin"])
 
@@ -204,6 +207,7 @@ def step(scene: Scene, s: State, t: float) -> float:
 
 
 def main(path_in: str, path_out: str, steps: str) -> None:
+    """Reads a trajectory, takes steps, writes the result."""
     scene, state, t = read(path_in)
     if scene["integrator"]["type"] != "explicit":
         sys.exit("mpm.py: semi-implicit scene, supported: explicit")

@@ -39,6 +39,7 @@ def file_format(path: str | Path) -> str:
 
 
 def parse(arguments: list[str]) -> argparse.Namespace:
+    """The options of `firn report`; prints a message and exits with 2 if they are wrong."""
     parser = argparse.ArgumentParser(
         "firn report", description="One self-contained HTML page from a trajectory or from results."
     )
@@ -78,6 +79,10 @@ def parse(arguments: list[str]) -> argparse.Namespace:
 
 
 def report(options: argparse.Namespace, command: str) -> int:
+    """Writes the page of a trajectory or of results; returns the exit status.
+
+    Raises InputError for a file of another format.
+    """
     kind = file_format(options.file)
     checks = [check.read(path) for path in options.check]
     if kind == "firn-trajectory":
@@ -111,6 +116,7 @@ def report_results(options: argparse.Namespace, checks: list[check.Check], comma
 
 
 def main(arguments: list[str] | None = None) -> int:
+    """Exit status: 0, 1 if something became worse than the baseline, 2 for bad input."""
     arguments = sys.argv[1:] if arguments is None else arguments
     options = parse(arguments)
     try:

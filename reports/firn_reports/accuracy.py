@@ -16,14 +16,17 @@ TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 
 
 def quoted(results: Results) -> list[Case]:
+    """The cases of the suite that may be quoted."""
     return [c for c in results.suite("accuracy") if c.quotable]
 
 
 def integration(case: Case) -> str:
+    """ "explicit", or the kind and β of a semi-implicit step."""
     return str(case["integration"] or "explicit")
 
 
 def is_explicit(case: Case) -> bool:
+    """True if the case took explicit steps."""
     return integration(case) == "explicit"
 
 
@@ -39,10 +42,12 @@ def method(case: Case) -> str:
 
 
 def command(problem: str) -> str:
+    """What measures a problem again."""
     return f"firn bench 'accuracy/{problem}*'"
 
 
 def problems(cases: Sequence[Case]) -> list[str]:
+    """The problems of the cases, each once, in the order of the page."""
     return list(
         dict.fromkeys(
             c["problem"] for c in sorted(cases, key=lambda c: str(c["problem"]), reverse=True)
@@ -51,6 +56,7 @@ def problems(cases: Sequence[Case]) -> list[str]:
 
 
 def figures(results: Results) -> list[Figure]:
+    """Error over h and Δt, and run time against error, for each problem."""
     cases = quoted(results)
     made = []
     for problem in problems(cases):
@@ -78,12 +84,14 @@ def best_covered(cases: Sequence[Case], key: str) -> list[Case]:
 
 
 def draw_lines(axes: Axes, cases: Sequence[Case], x: str) -> None:
+    """Errors over the parameter `x`, one line per method."""
     for name, style in styles(line_name(c) for c in sorted(cases, key=line_name)).items():
         line = sorted([c for c in cases if line_name(c) == name], key=lambda c: c[x])
         axes.plot([c[x] for c in line], [c.median("error") for c in line], label=name, **style)
 
 
 def error_over_h(problem: str, cases: Sequence[Case]) -> list[Figure]:
+    """Error over the spacing, with slopes of order 1 and 2."""
     shown = best_covered(cases, "h")
     if not shown:
         return []
@@ -117,6 +125,7 @@ def error_over_h(problem: str, cases: Sequence[Case]) -> list[Figure]:
 
 
 def error_over_step(problem: str, cases: Sequence[Case]) -> list[Figure]:
+    """Error over Δt at the number of cells with most values of Δt."""
     counts: dict[int, set[float]] = {}
     for c in cases:
         counts.setdefault(c["cells"], set()).add(c["cfl"])
@@ -195,6 +204,7 @@ def draw_front(axes: Axes, cases: Sequence[Case], method: Callable[[Case], str])
 
 
 def work_precision(problem: str, cases: Sequence[Case]) -> Figure:
+    """Run time against error of every run of a problem."""
     cases = [c for c in cases if c.value("time")]
     figure, axes = panel(4.6, 3.3 + 0.17 * len({method(c) for c in cases}))
     draw_front(axes, cases, method)
@@ -296,6 +306,7 @@ def order_rows(results: Results) -> list[tuple[Case, Case, float]]:
 
 
 def order_table(results: Results) -> list[Table]:
+    """Observed orders between neighbouring resolutions."""
     rows = [
         [
             c["problem"],

@@ -13,6 +13,8 @@ THRESHOLD = 0.10
 
 @dataclass
 class Change:
+    """A quantity of a case in the older and the newer file."""
+
     case: Case
     quantity: str
     units: str

@@ -15,6 +15,10 @@ KIND = {"VALID": "good", "INVALID": "bad"}
 
 
 def read(path: str | Path) -> Check:
+    """The output of `firn check --json`.
+
+    Raises InputError if the file holds something else.
+    """
     check = json_file.read(path)
     if not isinstance(check, dict) or check.get("verdict") not in KIND or "fields" not in check:
         raise InputError(
@@ -24,6 +28,7 @@ def read(path: str | Path) -> Check:
 
 
 def mark(check: Check) -> Mark:
+    """The verdict as a coloured word."""
     return Mark(check["verdict"], KIND[check["verdict"]])
 
 
@@ -44,6 +49,7 @@ def sentence(check: Check) -> str:
 
 
 def command(check: Check) -> str:
+    """What repeats the check."""
     return (
         f"firn check {check.get('scene', 'SCENE')} --solver {check.get('subject', '?')} "
         f"--against {check.get('reference', 'reference')} --precision {check.get('precision', 'double')} "
@@ -52,6 +58,7 @@ def command(check: Check) -> str:
 
 
 def section(checks: list[Check]) -> Section:
+    """The section of a page about these checks."""
     result = Section(
         "check",
         "Stage by stage against the reference",
@@ -65,6 +72,7 @@ def section(checks: list[Check]) -> Section:
 
 
 def stages(row: Json) -> str:
+    """The stage that wrote the fields of a row, or the first and the last of several."""
     return (
         row["through"]
         if row.get("from") == row.get("through")
@@ -100,6 +108,7 @@ def figure(check: Check) -> Figure:
 
 
 def fields_table(check: Check, i: int) -> Table:
+    """One row per stage and field."""
     columns = [
         "stage",
         "field",
@@ -148,6 +157,7 @@ def fields_table(check: Check, i: int) -> Table:
 
 
 def properties_table(check: Check, i: int) -> Table:
+    """One row per property: momentum, mass and others that a check looks at."""
     rows = [
         [
             row["name"],

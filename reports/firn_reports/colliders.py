@@ -7,6 +7,7 @@ from .kinds import Array, Json
 
 
 def unit(vector: ArrayLike) -> Array:
+    """The vector (3,) divided by its length."""
     vector = np.asarray(vector, float)
     return vector / np.linalg.norm(vector)
 
@@ -23,6 +24,7 @@ def rotation(omega: ArrayLike, t: float) -> Array:
 
 
 def shape_center(shape: Json) -> Array:
+    """The point (3,) [m] about which a collider of this shape turns."""
     if shape["type"] == "box":
         return (np.asarray(shape["min"], float) + np.asarray(shape["max"], float)) / 2
     return np.asarray(shape.get("center", shape.get("point", [0, 0, 0])), float)

@@ -15,28 +15,34 @@ TARGETS = (0.1, 0.05, 0.03, 0.02, 0.01)
 
 
 def cost(results: Results) -> list[Case]:
+    """The cases that measured the cost of a step."""
     return [c for c in results.suite("implicit") if c.name.startswith("cost")]
 
 
 def error(results: Results) -> list[Case]:
+    """The cases that measured an error."""
     return [c for c in results.suite("implicit") if c.name.startswith("error")]
 
 
 def stiffness(case: Case) -> str:
+    """Young's modulus as a label."""
     return f"E = {plain(case['youngs_modulus'])} Pa"
 
 
 def is_explicit(case: Case) -> bool:
+    """True if Δt is within the limit of the explicit method."""
     return case["r"] <= 1
 
 
 def method(case: Case) -> str:
+    """Solver, precision and tolerance, as a label."""
     return f"{who(case)}, " + (
         "explicit" if is_explicit(case) else f"implicit to {plain(case['tolerance'])}"
     )
 
 
 def figures(results: Results) -> list[Figure]:
+    """Cost, iterations, and run time against error."""
     return walls(cost(results)) + iterations(cost(results)) + fronts(error(results))
 
 
@@ -124,6 +130,7 @@ def iterations(cases: Sequence[Case]) -> list[Figure]:
 
 
 def fronts(cases: Sequence[Case]) -> list[Figure]:
+    """Run time against error, one figure per stiffness."""
     made = []
     shown = [c for c in cases if c.value("error") is not None and c.value("time")]
     for label in dict.fromkeys(
@@ -146,6 +153,7 @@ def fronts(cases: Sequence[Case]) -> list[Figure]:
 
 
 def tables(results: Results) -> list[Table]:
+    """Times to reach an error, and every case."""
     return (
         time_to_error(error(results))
         + of_cases(
@@ -164,6 +172,7 @@ def tables(results: Results) -> list[Table]:
 
 
 def time_to_error(cases: Sequence[Case]) -> list[Table]:
+    """The fastest run that reaches each error, explicit and semi-implicit."""
     rows = []
     for label in dict.fromkeys(
         stiffness(c) for c in sorted(cases, key=lambda c: c["youngs_modulus"])

@@ -53,6 +53,7 @@ def worst_limit(results: Results) -> tuple[float, str, Case] | None:
 
 
 def stability(results: Results) -> list[Figure]:
+    """A map of stable and unstable steps for each parameter that was varied."""
     cases = [c for c in results.suite("stability") if c.quotable]
     varied = list(
         dict.fromkeys(
@@ -108,6 +109,7 @@ def stability_map(varied: str, cases: Sequence[Case]) -> Figure:
     )
 
     def at(c: Case, quantity: str) -> float:
+        """The limit of the case, scaled as the axis is."""
         found = limit(c, quantity)
         return math.nan if found is None else scale(c) * found
 
@@ -190,6 +192,7 @@ def seconds(cases: Sequence[Case]) -> list[Figure]:
     figure, axes = panel(4.6, 3.3)
 
     def in_seconds(c: Case) -> float:
+        """Seconds per unit of c Δt / h."""
         return c.median("step") / c.median("cfl")
 
     draw_tries(axes, list(shown), in_seconds)
@@ -234,6 +237,7 @@ def lone_particle(cases: Sequence[Case]) -> list[Figure]:
     draw_tries(axes, [c for c in cases if c["solver"] != "reference"])
 
     def name_of(c: Case) -> str:
+        """How the volume was found, and the solver if it is the reference."""
         return c["varied"].split(", ")[1] + (", reference" if c["solver"] == "reference" else "")
 
     for name, style in styles(
@@ -300,6 +304,7 @@ ZERO = 1e-17
 
 
 def float_accuracy(results: Results) -> list[Figure]:
+    """One figure per test of single precision."""
     made = []
     cases = [c for c in results.suite("float") if c.quotable]
     drifting = sorted([c for c in cases if c["test"] == "drift"], key=lambda c: c.name)

@@ -14,6 +14,8 @@ import jinja2
 
 @dataclass
 class Figure:
+    """A picture with its title, as SVG or PNG."""
+
     title: str
     svg: str = ""
     png: bytes = b""
@@ -23,11 +25,14 @@ class Figure:
 
     @property
     def png_url(self) -> str:
+        """The PNG as a data URL."""
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
 
 @dataclass
 class Table:
+    """A table, which a page also offers as CSV."""
+
     name: str  # file name of its CSV, without the ending
     title: str
     columns: list[str]  # units in brackets
@@ -37,6 +42,7 @@ class Table:
     open: bool = False  # long tables are folded
 
     def csv(self) -> str:
+        """The table as CSV, a header line first."""
         buffer = io.StringIO()
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow(self.columns)
@@ -47,6 +53,7 @@ class Table:
 
     @property
     def csv_url(self) -> str:
+        """The CSV as a data URL."""
         return (
             "data:text/csv;charset=utf-8;base64," + base64.b64encode(self.csv().encode()).decode()
         )
@@ -75,6 +82,8 @@ class Code:
 
 @dataclass
 class Tile:
+    """A number at the top of a page."""
+
     label: str
     value: str
     note: str = ""
@@ -85,6 +94,8 @@ class Tile:
 
 @dataclass
 class Section:
+    """A part of a page; `id` is its anchor."""
+
     id: str
     title: str
     intro: str = ""
@@ -94,11 +105,14 @@ class Section:
     command: str = ""
 
     def empty(self) -> bool:
+        """True if the section has nothing to show."""
         return not (self.figures or self.tables or self.logs or self.intro)
 
 
 @dataclass
 class Page:
+    """Everything that write() puts on a page."""
+
     title: str
     subtitle: str = ""
     verdict: Mark | None = None

@@ -8,6 +8,7 @@ from .results import Results
 
 
 def million(rate: float) -> str:
+    """A rate [1/s] in millions."""
     return f"{number(rate / 1e6, 3)} M/s"
 
 
@@ -130,11 +131,13 @@ def facts(results: Results) -> list[tuple[str, str]]:
 
 
 def markdown_table(columns: list[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """The lines of a table in Markdown."""
     lines = ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
     return lines + ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
 
 
 def text(results: Results) -> str:
+    """The summary: rates, other figures, and where and how they were measured."""
     machine = results.sessions[0] if results.sessions else {}
     lines = []
     if rows := rate_rows(results):

@@ -17,6 +17,8 @@ from .kinds import Array, Json
 
 @dataclass
 class Quantity:
+    """A measured quantity with every repetition."""
+
     name: str
     units: str
     meaning: str
@@ -26,10 +28,12 @@ class Quantity:
 
     @property
     def median(self) -> float:
+        """Median of the repetitions, NaN if there is none."""
         return float(np.median(self.values)) if len(self.values) else float("nan")
 
     @property
     def quartiles(self) -> tuple[float, float]:
+        """First and third quartile of the repetitions, NaN if there is none."""
         return (
             tuple(np.percentile(self.values, [25, 75])) if len(self.values) else (float("nan"),) * 2
         )
@@ -43,6 +47,8 @@ class Quantity:
 
 @dataclass
 class Case:
+    """A measured case: case[name] is a parameter of it, None if it has no such parameter."""
+
     suite: str
     name: str
     title: str
@@ -60,6 +66,7 @@ class Case:
 
     @property
     def quotable(self) -> bool:
+        """True if the numbers of the case may be shown."""
         return self.status == "measured"
 
     def value(self, name: str) -> float | None:
@@ -77,6 +84,8 @@ class Case:
 
 @dataclass
 class Results:
+    """What a results file holds."""
+
     path: Path
     firn_version: str = ""
     sessions: list[Json] = field(default_factory=list)  # facts of the machine
@@ -85,9 +94,11 @@ class Results:
     mutants: Json = field(default_factory=dict)  # {command, rows}
 
     def suite(self, name: str) -> list[Case]:
+        """The cases of a suite."""
         return [case for case in self.cases if case.suite == name]
 
     def find(self, suite: str, name: str) -> Case | None:
+        """The case of this name, None if there is none."""
         return next((c for c in self.cases if c.suite == suite and c.name == name), None)
 
 
@@ -102,6 +113,7 @@ def plain(value: Any) -> Any:
 
 
 def attributes(node: h5py.HLObject) -> Json:
+    """All attributes of a group or data set, by name."""
     return {key: plain(value) for key, value in node.attrs.items()}
 
 
@@ -110,6 +122,10 @@ RENAMED = {("targets", "FMA peak"): "FMA peak, factored count"}
 
 
 def read_case(suite: str, name: str, group: h5py.Group) -> Case:
+    """The case that an HDF5 group holds.
+
+    Raises KeyError if a part is missing.
+    """
     a = attributes(group)
     quantities = {}
     for stored_name, data in group["quantities"].items():
@@ -137,6 +153,10 @@ def read_case(suite: str, name: str, group: h5py.Group) -> Case:
 
 
 def read_columns(group: h5py.Group, columns: list[str]) -> list[Json]:
+    """The rows of a group that holds one data set per column.
+
+    Raises ValueError if the columns differ in length.
+    """
     return [
         dict(zip(columns, values, strict=True))
         for values in zip(
@@ -146,6 +166,10 @@ def read_columns(group: h5py.Group, columns: list[str]) -> list[Json]:
 
 
 def read(path: str | Path) -> Results:
+    """The whole file.
+
+    Raises InputError if it is no results file, OSError if it cannot be opened.
+    """
     result = Results(Path(path))
     with h5py.File(path) as file:
         try:

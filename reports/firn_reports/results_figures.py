@@ -48,11 +48,13 @@ def left_out(cases: Iterable[Case], name: Callable[[Case], str] = lambda case: c
 
 
 def who(case: Case, threads: bool = False) -> str:
+    """Solver and precision, and threads if asked for, as a label."""
     text = f"{case['solver']}, {case['precision']}"
     return f"{text}, {case['threads']} T" if threads else text
 
 
 def styles(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """Colour, marker and dashes for each name, in order."""
     return {
         name: {"color": SERIES[i % 8], "marker": MARKERS[i % 8], "linestyle": DASHES[i % 8]}
         for i, name in enumerate(dict.fromkeys(names))
@@ -121,11 +123,13 @@ def bars(
 
 
 def with_quartiles(case: Case, name: str, scale: float = 1.0) -> tuple[float, float, float]:
+    """(median, first quartile, third quartile) of a quantity, times `scale`."""
     low, high = case.quantities[name].quartiles
     return case.median(name) * scale, low * scale, high * scale
 
 
 def speed(results: Results) -> list[Figure]:
+    """Rate over size, times faster than the reference, threads and sizes."""
     made = []
     cases = [c for c in results.suite("steps") if c.quotable]
     for deformation in ("plastic", "elastic"):
@@ -191,6 +195,7 @@ def scaling(results: Results) -> list[Figure]:
     )
 
     def name(c: Case) -> str:
+        """Label of a case."""
         return f"{c['precision']}, {c['deformation']}, {plain(c['particles'] / 1e6)} M"
 
     made = []
@@ -236,6 +241,7 @@ def scaling(results: Results) -> list[Figure]:
 
 
 def peak(results: Results, precision: str, threads: int = 1) -> float | None:
+    """FMA peak [flop/s] that the probe measured, None without a probe."""
     probe = results.find("roofline", f"fma_{precision},{threads}T")
     return probe.quantities["rate"].median if probe else None
 
@@ -254,6 +260,7 @@ def roofline_points(results: Results) -> list[tuple[Case, float, float, float]]:
 
 
 def best_share_of_peak(results: Results) -> tuple[float, str] | None:
+    """(share, who) of the step nearest the FMA peak on one thread."""
     points = [p for p in roofline_points(results) if p[0]["threads"] == 1]
     top = max(points, key=lambda p: p[3], default=None)
     return (top[3], f"{who(top[0])}, {top[0]['deformation']}") if top else None
@@ -277,6 +284,7 @@ def widest(results: Results) -> str:
 
 
 def roofline(results: Results) -> list[Figure]:
+    """Ceilings of one thread and where whole steps lie below them, by precision."""
     band = results.find("roofline", "triad,1T")
     if not band:
         return []
@@ -346,6 +354,7 @@ def roofline(results: Results) -> list[Figure]:
 
 
 def stages(results: Results) -> list[Figure]:
+    """Time of each stage, one figure per solver."""
     made = []
     for case in sorted(results.suite("stages"), key=lambda c: c.name):
         rows = [
@@ -385,6 +394,7 @@ def stages(results: Results) -> list[Figure]:
 
 
 def skips(results: Results) -> list[Figure]:
+    """What each skip saves, one figure per precision."""
     cases = [c for c in results.suite("skips") if c.quotable]
     made = []
     for precision in ("float", "double"):
@@ -448,6 +458,7 @@ def snowball(results: Results) -> list[Figure]:
 
 
 def targets(results: Results) -> list[Figure]:
+    """Time and share of the peak of each instruction set."""
     every = results.suite("targets")
     cases = sorted(
         [c for c in every if c.quotable],
@@ -457,6 +468,7 @@ def targets(results: Results) -> list[Figure]:
         return []
 
     def name(c: Case) -> str:
+        """Label of a case."""
         return f"{c['target']}, {c['precision']}, {c['deformation']}"
 
     made = [
@@ -499,11 +511,13 @@ COUNTS = {
 
 
 def kernels(results: Results) -> list[Figure]:
+    """Time of each kernel, one figure per kernel."""
     made = []
     every = results.suite("kernels")
     cases = [c for c in every if c.quotable]
 
     def name(c: Case) -> str:
+        """Label of a case."""
         return ", ".join(str(c[key]) for key in ("code", "precision", "target") if c[key])
 
     for kernel in dict.fromkeys(
@@ -547,12 +561,14 @@ KERNELS = (
 
 
 def kernel_order(kernel: Any) -> tuple[int, str]:
+    """Sorts kernels in the order of KERNELS."""
     return next(
         (i for i, name in enumerate(KERNELS) if str(kernel).startswith(name)), len(KERNELS)
     ), str(kernel)
 
 
 def verification(results: Results) -> list[Figure]:
+    """Largest error of each topic, one figure per solver verified."""
     made = []
     for subject, verdict in results.verify.items():
         worst: dict[str, float] = {}
@@ -585,6 +601,7 @@ def verification(results: Results) -> list[Figure]:
 
 
 def changes(changes: Sequence[Change]) -> list[Figure]:
+    """The largest changes against the baseline."""
     shown = [c for c in changes if c.kind in ("worse", "better")]
     shown = sorted(shown, key=lambda c: -abs(np.log(c.ratio)))[:14]
     if not shown:
@@ -614,6 +631,7 @@ def changes(changes: Sequence[Change]) -> list[Figure]:
 
 
 def noise(results: Results) -> list[Figure]:
+    """The fixed loop over the whole run."""
     loops = [c for c in results.cases if len(c.calibration)]
     if not loops:
         return []

@@ -45,6 +45,7 @@ def build(
     threshold: float = comparison.THRESHOLD,
     command: str = "",
 ) -> tuple[Page, bool]:
+    """The page, and True if something is worse than in `old`."""
     changes = comparison.compare(results, old, threshold) if old else []
     broken = comparison.appeared_broken(results, old) if old else []
     machine = results.sessions[0] if results.sessions else {}
@@ -95,6 +96,7 @@ def failed(changes: list[Change], broken: list[Case]) -> bool:
 def set_verdict(
     page: Page, results: Results, old: Results | None, changes: list[Change], broken: list[Case]
 ) -> None:
+    """Sets the verdict and the sentence beside it."""
     bad_subjects = [s for s, v in results.verify.items() if v["verdict"] != "VALID"]
     invalid = [c for c in results.cases if c.status in ("invalid", "failed")]
     survived = [m for m in results.mutants.get("rows", []) if not m["caught"]]
@@ -133,11 +135,13 @@ def set_verdict(
 
 
 def best(cases: Sequence[Case], quantity: str) -> Case | None:
+    """The case of the largest value of a quantity, None if none may be quoted."""
     quoted = [c for c in cases if c.value(quantity) is not None]
     return max(quoted, key=lambda c: c.median(quantity), default=None)
 
 
 def tiles(results: Results, old: Results | None, changes: list[Change]) -> list[Tile]:
+    """The numbers at the top of the page."""
     result = []
     for deformation in ("plastic", "elastic"):
         fastest = best(
@@ -263,6 +267,7 @@ def tiles(results: Results, old: Results | None, changes: list[Change]) -> list[
 
 
 def shortened(text: str, most: int = 130) -> str:
+    """The text, cut between words to about `most` characters."""
     return text if len(text) <= most else text[:most].rsplit(" ", 1)[0] + " …"
 
 
@@ -344,6 +349,7 @@ def look_at(results: Results, changes: list[Change], broken: list[Case]) -> list
 def baseline_section(
     results: Results, old: Results, changes: list[Change], broken: list[Case], threshold: float
 ) -> Section:
+    """What changed against an older file."""
     section = Section(
         "baseline",
         "Against the baseline",
@@ -356,6 +362,7 @@ def baseline_section(
 
 
 def verification_section(results: Results) -> Section:
+    """What the verification found, and the mutants."""
     section = Section("verification", "Verification")
     section.figures = figures.verification(results)
     section.tables = tables.verification(results) + tables.mutants(results)
@@ -363,6 +370,7 @@ def verification_section(results: Results) -> Section:
 
 
 def speed_section(results: Results) -> Section:
+    """How fast whole steps are."""
     section = Section("speed", "Speed", INTRO["speed"])
     section.figures = figures.speed(results)
     section.tables = (
@@ -374,6 +382,7 @@ def speed_section(results: Results) -> Section:
 
 
 def roofline_section(results: Results) -> Section:
+    """Whole steps against the ceilings of the machine."""
     section = Section("roofline", "Roofline", INTRO["roofline"])
     section.figures = figures.roofline(results)
     section.tables = tables.of_suite(
@@ -389,7 +398,10 @@ def simple(
     make_figures: Callable[[Results], list[Figure]],
     table_title: str,
 ) -> Callable[[Results], Section]:
+    """A function that makes a section with the figures and the table of one suite."""
+
     def build_section(results: Results) -> Section:
+        """The section of these results."""
         section = Section(identifier, title, INTRO[suite])
         section.figures = make_figures(results)
         section.tables = tables.of_suite(results, suite, suite, table_title)
@@ -399,6 +411,7 @@ def simple(
 
 
 def with_intro_only_if_filled(section: Section) -> Section:
+    """The section, without its introduction if it has neither figure nor table."""
     if not (section.figures or section.tables):
         section.intro = ""
     return section
@@ -420,6 +433,7 @@ kernels_section = simple("kernels", "Kernels", "kernels", figures.kernels, "Kern
 
 
 def accuracy_section(results: Results) -> Section:
+    """Run time against error."""
     section = Section("accuracy", "Run time against error", INTRO["accuracy"])
     section.figures = accuracy.figures(results)
     section.tables = (
@@ -431,6 +445,7 @@ def accuracy_section(results: Results) -> Section:
 
 
 def implicit_section(results: Results) -> Section:
+    """When semi-implicit steps pay."""
     section = Section("implicit", "Semi-implicit steps", INTRO["implicit"])
     section.figures = implicit.figures(results)
     section.tables = implicit.tables(results)
@@ -438,12 +453,14 @@ def implicit_section(results: Results) -> Section:
 
 
 def stress_section(results: Results) -> Section:
+    """What each solver did under stress."""
     return Section(
         "stress", "What each solver did under stress", tables=limits.stress_table(results)
     )
 
 
 def noise_section(results: Results) -> Section:
+    """How steady the machine was."""
     section = Section("noise", "Noise of this machine")
     section.figures = figures.noise(results)
     if section.figures:
@@ -457,6 +474,7 @@ def noise_section(results: Results) -> Section:
 
 
 def facts_section(results: Results) -> Section:
+    """Machine, build, and what each case said."""
     section = Section("facts", "Machine, build and log")
     section.tables = [
         tables.sessions(results),

@@ -26,10 +26,12 @@ KIND = {
 
 
 def mark(text: str) -> Mark | str:
+    """The status or verdict as a coloured word."""
     return Mark(text, KIND[text]) if KIND.get(text) else text
 
 
 def of_suite(results: Results, suite: str, name: str, title: str) -> list[Table]:
+    """The table of a suite, empty if nothing was measured."""
     return of_cases(results.suite(suite), name, title, f"firn bench {suite}")
 
 
@@ -74,6 +76,7 @@ def of_cases(cases: Sequence[Case], name: str, title: str, command: str) -> list
 
 
 def roofline_points(results: Results) -> list[Table]:
+    """Whole steps against the ceilings."""
     rows = [
         [
             c["solver"],
@@ -142,6 +145,7 @@ def size_growth(results: Results) -> tuple[float, str, Case] | None:
 
 
 def costliest_skip(results: Results) -> tuple[float, str, str] | None:
+    """(cost, skip, situation) of the skip that costs most, None if all cost less than 2 %."""
     # A cost that the quartiles of the repetitions do not tell from none is none.
     rows = [
         (-c.median("saved"), c["skip"], c["situation"])
@@ -153,6 +157,7 @@ def costliest_skip(results: Results) -> tuple[float, str, str] | None:
 
 
 def worst_float(results: Results) -> tuple[float, str] | None:
+    """(error, test and solver) of the largest loss to single precision."""
     rows = [
         (c.median("error"), f"{c['test']}, {c['solver']}")
         for c in results.suite("float")
@@ -183,6 +188,7 @@ def loop_spread(case: Case) -> str:
 
 
 def noise(results: Results) -> float | None:
+    """Distance of the quartiles of the fixed loop over all cases, relative to its median."""
     loops = [c.calibration for c in results.cases if len(c.calibration)]
     if not loops:
         return None
@@ -240,6 +246,7 @@ def changes(changes: list[Change], broken: list[Case]) -> list[Table]:
 
 
 def verification(results: Results) -> list[Table]:
+    """One table per solver verified."""
     made = []
     for i, (subject, verdict) in enumerate(results.verify.items(), 1):
         rows = sorted(verdict["rows"], key=lambda r: (r["verdict"] == "VALID", -r["error"]))
@@ -261,6 +268,7 @@ def verification(results: Results) -> list[Table]:
 
 
 def mutants(results: Results) -> list[Table]:
+    """Which check caught each mutant."""
     if not results.mutants:
         return []
     rows = sorted(results.mutants["rows"], key=lambda r: (bool(r["caught"]), r["name"]))
@@ -311,6 +319,7 @@ def sessions(results: Results) -> Table:
 
 
 def all_cases(results: Results) -> Table:
+    """Every case with its status and times."""
     return Table(
         "cases",
         "Every case",
@@ -344,6 +353,7 @@ def all_cases(results: Results) -> Table:
 
 
 def noisy(results: Results) -> list[Table]:
+    """The cases that are too noisy to quote."""
     rows = [
         [c.suite, c.name, c.message, loop_spread(c), c.wall_seconds, Code(c.command)]
         for c in results.cases
@@ -366,6 +376,7 @@ def noisy(results: Results) -> list[Table]:
 
 
 def repetitions(results: Results) -> Table:
+    """Every measured number of the file."""
     rows = [
         [c.suite, c.name, key, q.units, i, float(v)]
         for c in results.cases

@@ -256,6 +256,7 @@ def render(scene: Json, frame: Frame, camera: Camera, norm: LogNorm) -> Array:
 
 
 def downsample(image: Array, factor: int) -> Array:
+    """Mean over squares of `factor` pixels; (h, w, 3) to (h // factor, w // factor, 3)."""
     h, w = image.shape[0] // factor, image.shape[1] // factor
     return image[: h * factor, : w * factor].reshape(h, factor, w, factor, 3).mean(axis=(1, 3))
 

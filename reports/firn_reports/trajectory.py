@@ -29,12 +29,15 @@ DIAGNOSTICS = [
 
 
 def text_attribute(node: h5py.HLObject, name: str, default: str = "") -> str:
+    """An attribute as text, `default` if there is none."""
     value = node.attrs.get(name, default)
     return value.decode() if isinstance(value, bytes) else str(value)
 
 
 @dataclass
 class Frame:
+    """The particles at one time; N of them."""
+
     time: float
     x: Array  # (N,3) m
     v: Array  # (N,3) m/s
@@ -45,6 +48,8 @@ class Frame:
 
 @dataclass
 class Trajectory:
+    """A file without its particles; frame() reads those."""
+
     path: Path
     times: Array  # of the frames [s]
     facts: dict[str, str] = field(default_factory=dict)  # attributes of /firn

@@ -60,6 +60,10 @@ def series(
     log: bool = False,
     flight: Mask | None = None,
 ) -> Figure:
+    """A quantity over time. `names`: of diagnostics, or arrays with one value per step.
+
+    `flight`: True for the steps in free flight; a dotted line marks their end.
+    """
     figure, axes = panel()
     t = trajectory.diagnostics["time"]
     for label, name in zip(
@@ -90,6 +94,7 @@ def chosen_frames(trajectory: Trajectory, laws: Laws) -> list[int]:
 
 
 def build(trajectory: Trajectory, checks: list[Check], command: str = "") -> tuple[Page, bytes]:
+    """The page, and the picture of the snow as PNG."""
     first = trajectory.frame(0)
     laws = Laws(trajectory, first)
     facts = trajectory.facts
@@ -127,6 +132,7 @@ def build(trajectory: Trajectory, checks: list[Check], command: str = "") -> tup
 
 
 def set_verdict(page: Page, checks: list[Check]) -> None:
+    """Sets the verdict of the checks and the sentence beside it."""
     if not checks:
         page.verdict, page.sentence = (
             Mark("not checked", "warn"),
@@ -139,6 +145,7 @@ def set_verdict(page: Page, checks: list[Check]) -> None:
 
 
 def run_command(trajectory: Trajectory) -> str:
+    """What simulates the trajectory again."""
     facts = trajectory.facts
     if facts.get("command"):
         return facts["command"]
@@ -150,6 +157,7 @@ def run_command(trajectory: Trajectory) -> str:
 
 
 def tiles(trajectory: Trajectory, laws: Laws, checks: list[Check]) -> list[Tile]:
+    """The numbers at the top of the page."""
     d = trajectory.diagnostics
     energy = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
     result = [
@@ -205,6 +213,7 @@ def tiles(trajectory: Trajectory, laws: Laws, checks: list[Check]) -> list[Tile]
 
 
 def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
+    """Energies, momentum and other quantities over time."""
     d = trajectory.diagnostics
     total = d["kinetic_energy"] + d["elastic_energy"] + d["gravitational_energy"]
     free = laws.free if laws.known else None
@@ -283,6 +292,7 @@ def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
 
 
 def fact_table(trajectory: Trajectory, run: str) -> Table:
+    """Solver, machine and size of the run."""
     rows = [
         ["particles", number(trajectory.particles)],
         ["steps", number(trajectory.steps)],

@@ -9,6 +9,7 @@ from . import lesson, pages
 
 
 def main(arguments: list[str] | None = None) -> int:
+    """Exit status: 0, or 2 for bad input."""
     parser = argparse.ArgumentParser(
         "firn teach", description="The pages of a lesson from its lesson.json."
     )

@@ -122,10 +122,12 @@ def positions(scene, s, p, i, lesson):
 
 
 def code(stage: int) -> str:
+    """Source of the function for a stage."""
     return inspect.getsource(globals()[STAGES[stage - 1]])
 
 
 def helpers() -> str:
+    """Source of the functions that several stages call."""
     return "\n\n".join(inspect.getsource(f).rstrip() for f in (N, dN, weights, collide)) + "\n"
 
 

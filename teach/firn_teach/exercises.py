@@ -74,6 +74,7 @@ BUGS = {
 
 
 def check_command(number: int, scene: str) -> str:
+    """The check that finds the planted bug."""
     if scene == "tiny_impact":
         return f"firn check tiny_impact --start-step 75 --steps 1 --solver exercise:{number}"
     return f"firn check {scene} --start-step 12 --steps 1 --solver exercise:{number}"
@@ -99,16 +100,19 @@ def bugs(lesson: Lesson) -> list[Json]:
 
 
 def scene_command(edit: str, options: str = "") -> str:
+    """Edits tiny_impact by a sed script and runs it."""
     return f"firn scenes --show tiny_impact | sed '{edit}' > mine.toml && firn run mine.toml {options}--json".replace(
         "  ", " "
     )
 
 
 def simple(key: str, value: str, options: str = "") -> str:
+    """Runs tiny_impact with another value of a key."""
     return scene_command(f"s/^{key} = .*/{key} = {value}/", options)
 
 
 def semi_implicit(beta: str, dt: str = "3e-3") -> str:
+    """Runs tiny_impact with semi-implicit steps of length `dt` [s]."""
     edit = (
         f"s/^step = .*/step = {dt}/; "
         f's/^type = "explicit"/type = "semi-implicit"\\nimplicitness = {beta}\\ntolerance = 1e-6\\nmax_iterations = 500/'
@@ -196,6 +200,7 @@ PARAMETERS: list[Json] = [
 
 
 def parameter_commands() -> list[str]:
+    """One command per value of each parameter."""
     return [task["command"](value) for task in PARAMETERS for value in task["values"]]
 
 

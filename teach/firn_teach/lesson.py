@@ -57,13 +57,17 @@ class Record:
             self._states.append(dict(fields))
 
     def at(self, stage: int) -> SimpleNamespace:
+        """Every field after the stage, by its symbol."""
         return SimpleNamespace(**self._states[stage])
 
     def has(self, stage: int, field: str) -> bool:
+        """True if the field is known after the stage."""
         return field in self._states[stage]
 
 
 class Lesson:
+    """What lesson.json holds."""
+
     def __init__(self, data: Json) -> None:
         self.data = data
         self.scene = SimpleNamespace(**data["scene"])
@@ -76,10 +80,12 @@ class Lesson:
 
     @property
     def particle_name(self) -> str:
+        """The chosen particle in words."""
         return f"particle {self.record.id[self.p]}"
 
     @property
     def node_name(self) -> str:
+        """The chosen node in words."""
         return f"node ({', '.join(str(n) for n in self.record.nodes[self.i])})"
 
     def record_of(self, stage: int) -> Record:
@@ -102,10 +108,15 @@ class Lesson:
 
 
 def array(values: ArrayLike) -> Array:
+    """Numbers as an array of doubles."""
     return np.array(values, dtype=float)
 
 
 def read(path: str | Path) -> Lesson:
+    """The lesson of a file.
+
+    Raises InputError if the file holds something else.
+    """
     data = json_file.read(path)
     if (
         not isinstance(data, dict)

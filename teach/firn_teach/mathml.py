@@ -53,6 +53,7 @@ def _bold(match: re.Match[str]) -> str:
 
 
 def formula(tex: str, display: bool = False) -> str:
+    """MathML of a formula in TeX."""
     for _ in range(2):  # macros may stand for macros
         tex = re.sub(r"\\[A-Za-z]+", lambda m: MACROS.get(m[0], m[0]), tex)
     text = convert(tex, display="block" if display else "inline")

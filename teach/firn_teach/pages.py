@@ -55,6 +55,10 @@ class Section(reports.Section):
 
 
 def chapter(file: str, page: str) -> Chapter:
+    """The text of a chapter for a page.
+
+    Raises KeyError if its head names no title or lead.
+    """
     head, *parts = (
         resources.files("firn_teach")
         .joinpath("chapters", file)
@@ -184,10 +188,12 @@ def check_rows(lesson: Lesson, stage: int) -> list[Json]:
 
 
 def check_command(lesson: Lesson) -> str:
+    """What repeats the check of the lesson's step."""
     return f"firn check {lesson.argument} --start-step {lesson.record.step} --steps 1 --precision double"
 
 
 def stage_values(lesson: Lesson, page: Chapter) -> Json:
+    """What the template of a stage shows."""
     stage = page.stage
     record = lesson.record_of(stage)
     hand = by_hand.run(lesson, stage)
@@ -221,16 +227,19 @@ def stage_values(lesson: Lesson, page: Chapter) -> Json:
 
 
 def matrix_rows(name: str, matrix: Array) -> list[list[str]]:
+    """The rows of a matrix (3, 3), the first with its name."""
     return [
         [name if r == 1 else ""] + [repr(float(x)) for x in row] for r, row in enumerate(matrix)
     ]
 
 
 def table(columns: list[str], rows: list[list[Any]], title: str = "") -> reports.Table:
+    """A table without a CSV file."""
     return reports.Table("", title, columns, rows)
 
 
 def svd_sections(lesson: Lesson) -> list[Section]:
+    """The decomposition of the chosen particle's F_E."""
     d = {k: np.array(v) for k, v in lesson.data["decomposition"].items()}
     F, eps = d["F_E_hat"], 2.0**-52
     numbers = [
@@ -305,7 +314,10 @@ def jacobi(F: Array) -> list[list[Any]]:
 
 
 def implicit_sections(lesson: Lesson) -> list[Section]:
+    """Longer and longer steps, and the check of a semi-implicit step."""
+
     def energy(t: Json, which: str) -> float | str:
+        """Kinetic and elastic energy [J], or "failed"."""
         if t[f"{which}_error"]:
             return "failed"
         return sum(float(t[which][k]) for k in ("kinetic_energy", "elastic_energy"))
@@ -390,6 +402,7 @@ def implicit_sections(lesson: Lesson) -> list[Section]:
 
 
 def optimized_sections(lesson: Lesson, pages: list[Chapter]) -> list[Section]:
+    """What the check of the optimized solver found, field by field."""
     sections = []
     for check in lesson.checks:
         kind = ", semi-implicit" if check["semi_implicit"] else ""
@@ -452,6 +465,7 @@ def optimized_sections(lesson: Lesson, pages: list[Chapter]) -> list[Section]:
 
 
 def balance(lesson: Lesson) -> list[tuple[str, str, str]]:
+    """(quantity, before, after) of the whole scene."""
     b, a = lesson.data["diagnostics"]["before"], lesson.data["diagnostics"]["after"]
     rows = [("mass [kg]", repr(b["mass"]), repr(a["mass"]))]
     rows += [
@@ -471,6 +485,7 @@ def clause(sentence: str) -> str:
 
 
 def index_values(lesson: Lesson, pages: list[Chapter]) -> Json:
+    """What the overview shows."""
     record = lesson.record
     return {
         "scene_name": lesson.scene.name,
@@ -492,6 +507,7 @@ def index_values(lesson: Lesson, pages: list[Chapter]) -> Json:
 
 
 def exercise_values(lesson: Lesson, program: str) -> Json:
+    """What the page of exercises shows; runs every command for its answer."""
     bugs = exercises.bugs(lesson)
     commands = [bug["command"] + " --json" for bug in bugs] + exercises.parameter_commands()
     results = measured.run_all(commands, program)

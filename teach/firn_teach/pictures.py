@@ -37,9 +37,11 @@ class View:
         self.own = own
 
     def position(self, nodes: ArrayLike) -> Array:
+        """Positions (N, 3) [m] of nodes (N, 3)."""
         return self.scene.origin + self.h * np.asarray(nodes)
 
     def start(self, width: float = 5.2, height: float = 4.0) -> tuple[mpl.Figure, Axes]:
+        """A new figure of the x–z plane."""
         figure, axes = panel(width, height)
         axes.set_aspect("equal")
         axes.set_xlabel("x [m]")
@@ -103,6 +105,7 @@ class View:
         which: Mask | None = None,
         size: float = 9,
     ) -> None:
+        """Particles as dots, coloured by `values` (one per particle) if there are any."""
         which = self.slice if which is None else which
         x = self.record.at(0).x_p[which]
         if values is None:
@@ -167,6 +170,7 @@ class View:
         return scale
 
     def longest(self, vectors: Array, unit: str) -> str:
+        """Length of the longest of the vectors (N, 3), with its unit."""
         return f"{np.max(np.linalg.norm(vectors, axis=1), initial=0):.3g} {unit}"
 
 
@@ -189,6 +193,7 @@ def kernel(lesson: Lesson) -> Figure:
 
 
 def rasterize(v: View) -> list[Figure]:
+    """Stage 1: velocities of particles, masses and velocities of nodes."""
     figure, axes = v.start()
     v.particles(axes)
     v.arrows(axes, v.before.x_p[v.slice], v.before.v_p[v.slice], BLUE, width=0.0025)
@@ -224,6 +229,7 @@ def rasterize(v: View) -> list[Figure]:
 
 
 def volumes(v: View) -> list[Figure]:
+    """Stage 2: the density that particles see."""
     density = v.after.m_p / v.after.V_p0
     figure, axes = v.start()
     v.particles(axes, density, "density ρ [kg/m³]")
@@ -260,6 +266,7 @@ def volumes(v: View) -> list[Figure]:
 
 
 def grid_forces(v: View) -> list[Figure]:
+    """Stage 3: elastic volume and forces, hardening."""
     figure, axes = v.start()
     v.particles(axes, np.linalg.det(v.before.F_E), "J_E = det F_E")
     v.arrows(axes, v.x_i[v.layer], v.after.f_i[v.layer], ORANGE)
@@ -286,6 +293,7 @@ def grid_forces(v: View) -> list[Figure]:
 
 
 def grid_velocities(v: View) -> list[Figure]:
+    """Stage 4: velocities before and after, and their change."""
     figure, axes = v.start()
     scale = v.arrows(axes, v.x_i[v.layer], v.before.v_i[v.layer], MUTED, "v_i")
     v.arrows(
@@ -308,6 +316,7 @@ def grid_velocities(v: View) -> list[Figure]:
 
 
 def grid_collisions(v: View) -> list[Figure]:
+    """Stage 5: velocities of nodes in contact."""
     figure, axes = v.start()
     changed = np.any(v.after.v_i_star != v.before.v_i_star, axis=1)
     scale = v.arrows(axes, v.x_i[v.layer], v.before.v_i_star[v.layer], MUTED)
@@ -337,6 +346,7 @@ def grid_collisions(v: View) -> list[Figure]:
 
 
 def integration(v: View) -> list[Figure]:
+    """Stage 6: velocities at the end of the step."""
     figure, axes = v.start()
     v.arrows(axes, v.x_i[v.layer], v.after.v_i_new[v.layer], BLUE)
     v.frame(axes)
@@ -356,6 +366,7 @@ def implicit_energy(lesson: Lesson) -> Figure:
     trials = lesson.data["implicit_trials"]
 
     def energy(t: Json, which: str) -> float:
+        """Kinetic and elastic energy [J] at the end, infinite if the run failed."""
         if t[f"{which}_error"]:
             return np.inf
         values = [float(t[which][k]) for k in ("kinetic_energy", "elastic_energy")]
@@ -403,12 +414,14 @@ def F_hat(v: View) -> Array:
 
 
 def nearest(v: View, p: int) -> Array:
+    """(x_p − x_i) / h to the nearest image of each node, (nodes, 3)."""
     X = (v.before.x_p[p] - v.scene.origin) / v.h - v.record.nodes
     n = v.scene.period_nodes
     return np.where(n > 0, X - n * np.round(X / np.maximum(n, 1)), X)
 
 
 def deformation(v: View) -> list[Figure]:
+    """Stage 7: singular values before and after the clamp, plastic flow."""
     before, after = (
         np.linalg.svd(F_hat(v), compute_uv=False),
         np.linalg.svd(v.after.F_E, compute_uv=False),
@@ -489,6 +502,7 @@ def deformation(v: View) -> list[Figure]:
 
 
 def particle_velocities(v: View) -> list[Figure]:
+    """Stage 8: new velocities, and what PIC would smooth away."""
     figure, axes = v.start()
     x = v.before.x_p[v.slice]
     v.particles(axes)
@@ -522,6 +536,7 @@ def particle_velocities(v: View) -> list[Figure]:
 
 
 def particle_collisions(v: View) -> list[Figure]:
+    """Stage 9: particles that met a solid."""
     figure, axes = v.start()
     v.particles(axes)
     change = v.after.v_p - v.before.v_p
@@ -539,6 +554,7 @@ def particle_collisions(v: View) -> list[Figure]:
 
 
 def positions(v: View) -> list[Figure]:
+    """Stage 10: displacements."""
     figure, axes = v.start()
     moved = v.after.x_p - v.before.x_p
     v.particles(axes)
@@ -555,4 +571,5 @@ def positions(v: View) -> list[Figure]:
 
 
 def of_stage(lesson: Lesson, stage: int, name: str) -> list[Figure]:
+    """The figures of a stage."""
     return globals()[name](View(lesson, stage))

@@ -17,6 +17,7 @@ PYTHON_WORDS = (
 
 
 def tokens(comment: str, directive: str, words: str) -> re.Pattern[str]:
+    """Finds comments, strings, directives, key words and numbers of a language."""
     keyword = r"\b(?:" + "|".join(words.split()) + r")\b"
     return re.compile(
         rf'(?P<comment>{comment}[^\n]*)|(?P<string>"(?:\\.|[^"\\\n])*")|(?P<directive>{directive})|(?P<keyword>{keyword})|(?P<number>\b\d[\w.]*(?:e[+-]\d+)?)',
@@ -41,10 +42,13 @@ def highlight(text: str, language: re.Pattern[str] = CPP) -> str:
 
 
 def path_of(stage: int) -> str:
+    """The file of the reference that holds a stage."""
     return f"reference/step_{stage:02d}_{STAGES[stage - 1]}.cpp"
 
 
 class File:
+    """A source file of the reference with its highlighted text."""
+
     def __init__(self, lesson: Lesson, path: str) -> None:
         self.path, self.text = path, lesson.sources[path]
         self.html = highlight(self.text)

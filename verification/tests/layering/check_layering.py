@@ -112,6 +112,7 @@ def target_of(root: Path, file: Path, include: str) -> str | None:
 
 
 def allowed(rule: str, target: str) -> bool:
+    """True if files under the key `rule` of ALLOWED may include `target`."""
     return any(
         target == entry or target.startswith(entry + "/") for entry in [rule, *ALLOWED[rule]]
     )
@@ -180,6 +181,7 @@ def crossings(root: Path) -> Iterator[str]:
 
 
 def main() -> int:
+    """Exit status: 1 if there is a crossing."""
     found = list(crossings(Path(sys.argv[1])))
     for line in found:
         print(line)

@@ -22,6 +22,7 @@ ARRAYS = {"velocity": 3, "mass": 1, "volume": 1, "F_E": 9, "F_P": 9, "id": 1, "m
 
 
 def expect(condition: object, what: str) -> None:
+    """Exits with a message unless the condition holds."""
     if not condition:
         raise SystemExit(f"vtk_reads_it.py: {what}")
 
@@ -69,6 +70,7 @@ def compare(path: str) -> int:
 
 
 def units_everywhere(path: str) -> None:
+    """Every data set of the file has the attribute `units`."""
     missing = []
     with h5py.File(path, "r") as file:
         file.visititems(
@@ -82,6 +84,7 @@ def units_everywhere(path: str) -> None:
 
 
 def main(kill_run: str, shim: str) -> None:
+    """Compares finished files, then files cut off at every write."""
     print("VTK", vtkVersion.GetVTKVersion())
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "out.vtkhdf")
