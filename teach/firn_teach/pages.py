@@ -86,6 +86,7 @@ def chapters() -> list[Chapter]:
 
 
 def components(value: ArrayLike) -> list[tuple[str, float]]:
+    """Return a scalar, vector or matrix as (name, number): "", "x", or row and column."""
     value = np.atleast_1d(value)
     if value.shape == (3,):
         return list(zip("xyz", value, strict=True))

@@ -26,6 +26,7 @@ HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
 
 
 def documents(root: Path) -> list[Path]:
+    """Return every Markdown file that belongs to the project."""
     found = []
     for file in sorted(root.rglob("*.md")):
         first = file.relative_to(root).parts[0]
@@ -46,10 +47,12 @@ def anchor_of(heading: str) -> str:
 
 
 def anchors(file: Path) -> set[str]:
+    """Return the anchors of all headings."""
     return {anchor_of(heading) for heading in HEADING.findall(without_fences(file.read_text()))}
 
 
 def broken_link(file: Path, link: str) -> str | None:
+    """Say what is wrong with a link of `file`, if anything."""
     if re.match(r"[a-z]+:", link):
         return None
     path, _, anchor = link.partition("#")
@@ -62,6 +65,7 @@ def broken_link(file: Path, link: str) -> str | None:
 
 
 def broken_path(root: Path, code: str) -> str | None:
+    """Say what is wrong with `code` if it is meant as a path."""
     first = code.split("/")[0]
     if "/" not in code or not PATH.fullmatch(code) or not (root / first).is_dir():
         return None
@@ -71,6 +75,7 @@ def broken_path(root: Path, code: str) -> str | None:
 
 
 def broken(root: Path) -> Iterator[str]:
+    """Yield a line for each link or path that leads nowhere."""
     root = root.resolve()
     files = documents(root)
     if not files:
@@ -85,6 +90,7 @@ def broken(root: Path) -> Iterator[str]:
 
 
 def main() -> int:
+    """Print what is broken; 1 if anything is."""
     found = list(broken(Path(sys.argv[1])))
     for line in found:
         print(line)
