@@ -1,0 +1,8 @@
+"""Small files of known content in Firn's formats: for tests, and for trying the page."""
+
+from .cases import synthetic_cases
+from .check import check
+from .results import write_results
+from .trajectory import write_trajectory
+
+__all__ = ["check", "synthetic_cases", "write_results", "write_trajectory"]

@@ -1,0 +1,58 @@
+"""What `firn check --json` prints."""
+
+
+def check(verdict="VALID"):
+    """What `firn check --json` prints, for two fields of one stage."""
+
+    def field(name, bounds):
+        return {
+            "from": "rasterize",
+            "through": "rasterize",
+            "written_by": "rasterize",
+            "field": name,
+            "units": "kg",
+            "compared": 812,
+            "non_finite": 0,
+            "largest_absolute": 1e-17,
+            "rms_absolute": 1e-18,
+            "largest_relative": 2e-16,
+            "rms_relative": 1e-16,
+            "largest_in_bounds": bounds,
+            "rms_in_bounds": bounds / 5,
+            "verdict": "VALID" if bounds <= 1 else "INVALID",
+            "worst": {
+                "step": 3,
+                "node": [1, 2, 3],
+                "index": 17,
+                "component": 0,
+                "reference": 0.5,
+                "subject": 0.5,
+                "bound": 1e-16,
+            },
+        }
+
+    worst = 0.2 if verdict == "VALID" else 40.0
+    return {
+        "scene": "synthetic",
+        "reference": "reference",
+        "subject": "other",
+        "precision": "double",
+        "mode": "lockstep",
+        "start_step": 0,
+        "steps": 5,
+        "particles": 3000,
+        "compared": 1624,
+        "largest_in_bounds": worst,
+        "verdict": verdict,
+        "first_divergence": None
+        if verdict == "VALID"
+        else {
+            "step": 3,
+            "from": "rasterize",
+            "through": "rasterize",
+            "field": "node_velocity",
+            "message": "node (1, 2, 3) diverges in rasterize",
+        },
+        "fields": [field("node_mass", 0.1), field("node_velocity", worst)],
+        "properties": [{"name": "momentum", "compared": 5, "verdict": "VALID", "detail": "exact"}],
+    }
