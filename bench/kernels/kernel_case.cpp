@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "firn/error.hpp"
-#include "optimized/drivers/target.hpp"
+#include "optimized/target.hpp"
 #include "optimized/optimized_solver.hpp"
 
 namespace firn::bench {

@@ -1,10 +1,9 @@
-/// Step 6 as the solver runs it: the semi-implicit solve and what stages 7 and 8 gather.
+#include "optimized/drivers/integration.hpp"
 
-#include <omp.h>
 #include <string>
 
 #include "firn/error.hpp"
-#include "optimized/drivers/solver.hpp"
+#include "optimized/drivers/step.hpp"
 
 namespace firn::optimized {
 
@@ -18,52 +17,41 @@ namespace {
 
 }  // namespace
 
-/// v_i^{n+1} from (M + βΔt²H) v = M v* along the directions that contact leaves free.
 template <class T>
-void OptimizedSolver<T>::solve_implicit() {
-  const IntegratorSettings& settings = scene_->integrator;
-  solved_ = {};
+void solve_implicit(Simulation<T>& sim) {
+  const IntegratorSettings& settings = sim.scene->integrator;
+  sim.solved = {};
   if (!(settings.implicitness > 0)) return;
-  refresh_stress();  // for the hardened stiffness of particles that were only just loaded
-  const double dt_over_h = dt_ / scene_->grid.spacing;
-  implicit_.assemble(particles_, nodes_, constants_, settings.implicitness * dt_over_h * dt_over_h,
-                     memory_);
-  tiles_stale_ = gathered_stale_ = true;  // the solve uses their memory
-  solved_ = implicit_.solve(settings.tolerance, settings.max_iterations);
-  switch (solved_.status) {
+  refresh_stress(sim);  // for the hardened stiffness of particles that were only just loaded
+  const double dt_over_h = sim.dt / sim.scene->grid.spacing;
+  const LinearSystem<T> system = assemble(
+      sim.particles, sim.nodes, sim.constants, settings.implicitness * dt_over_h * dt_over_h,
+      sim.implicit_kernels, sim.threads, sim.memory, sim.implicit);
+  sim.solved = solve(system, settings.tolerance, settings.max_iterations);
+  switch (sim.solved.status) {
     case SolveReport::Status::converged: return;
     case SolveReport::Status::not_finite: reject("residual is not finite");
     case SolveReport::Status::stagnates:
-      reject("residual stagnates at " + to_text(solved_.residual));
+      reject("residual stagnates at " + to_text(sim.solved.residual));
     case SolveReport::Status::out_of_iterations:
-      reject("not converged after " + std::to_string(solved_.iterations) +
-             " iterations: relative residual " + to_text(solved_.residual) + ", asked for " +
+      reject("not converged after " + std::to_string(sim.solved.iterations) +
+             " iterations: relative residual " + to_text(sim.solved.residual) + ", asked for " +
              to_text(settings.tolerance));
   }
 }
 
-/// The same between two stages: from the fields that are kept, and back.
 template <class T>
-void OptimizedSolver<T>::solve_kept_fields() {
-  for (std::size_t k = 0; k < nodes_.size(); ++k) implicit_.motion(k) = nodes_.fields(k);
-  implicit_.remember_v_star(nodes_);
-  solve_implicit();
-  for (std::size_t k = 0; k < nodes_.size(); ++k)
-    static_cast<NodeMotion<T>&>(nodes_.fields(k)) = implicit_.motion(k);
+void solve_kept_fields(Simulation<T>& sim) {
+  for (std::size_t n = 0; n < sim.nodes.size(); ++n) sim.implicit.motion[n] = sim.nodes.fields(n);
+  sim.implicit.remember_v_star(sim.nodes);
+  solve_implicit(sim);
+  for (std::size_t n = 0; n < sim.nodes.size(); ++n)
+    static_cast<NodeMotion<T>&>(sim.nodes.fields(n)) = sim.implicit.motion[n];
 }
 
-template <class T>
-void OptimizedSolver<T>::report_solve(StepReport& report) const {
-  report.solver_iterations = solved_.iterations;
-  report.solver_residual = solved_.residual;
-  report.solver_indefinite = solved_.indefinite;
-}
-
-template void OptimizedSolver<float>::solve_implicit();
-template void OptimizedSolver<double>::solve_implicit();
-template void OptimizedSolver<float>::solve_kept_fields();
-template void OptimizedSolver<double>::solve_kept_fields();
-template void OptimizedSolver<float>::report_solve(StepReport&) const;
-template void OptimizedSolver<double>::report_solve(StepReport&) const;
+template void solve_implicit(Simulation<float>&);
+template void solve_implicit(Simulation<double>&);
+template void solve_kept_fields(Simulation<float>&);
+template void solve_kept_fields(Simulation<double>&);
 
 }  // namespace firn::optimized

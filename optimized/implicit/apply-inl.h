@@ -73,7 +73,7 @@ HWY_INLINE AxisPosition<T> axis_position_as(const S* slot, int chunk_size) {
     const auto fraction = hn::And(x, hn::Set(integers, fixed_one - 1));
     const auto unit = hn::Set(d, 1.0 / fixed_one);
     AxisPosition<T> a;
-    a.cell = hn::PromoteTo(di, hn::ShiftRight<28>(x));
+    a.cell = hn::PromoteTo(di, hn::ShiftRight<fixed_bits>(x));
     a.t = hn::Mul(hn::PromoteTo(d, fraction), unit);
     a.o = hn::Sub(hn::Set(d, 1.0), a.t);
     return a;
@@ -124,19 +124,22 @@ HWY_INLINE void act(const HessianBlock<S>& block, int i, int first, const Hessia
   T* const weights = weights_of(work, i - first);
   const auto put = [&](int which, const Vec<T>& value)
                        HWY_ATTR { hn::Store(value, d, weights + which * L); };
-  for (int j = 0; j < 4; ++j) put(weight_y + j, wy.w[j]), put(derivative_y + j, wy.d[j]);
+  for (int j = 0; j < stencil_nodes; ++j)
+    put(weight_y + j, wy.w[j]), put(derivative_y + j, wy.d[j]);
   put(weight_t, x.t), put(weight_x0, wx.w[0]), put(weight_x3, wx.w[3]);
   put(derivative_x0, wx.d[0]), put(derivative_x3, wx.d[3]);
   store_quads<T>(wz.w[0], wz.w[1], wz.w[2], wz.w[3], to, hessian_record_w_z);
   store_quads<T>(wz.d[0], wz.d[1], wz.d[2], wz.d[3], to, hessian_record_d_z);
-  alignas(64) Integer<T> place[L];  // 4 (7x + y) + z; 7x = 8x − x
+  alignas(cache_line) Integer<T> place[L];  // 4 (7x + y) + z; 7x = 8x − x
+  static_assert(tile_nodes == 7);
   const auto xy = hn::Add(hn::Sub(hn::ShiftLeft<3>(x.cell), x.cell), y.cell);
-  hn::Store(hn::Add(hn::ShiftLeft<2>(xy), z.cell), di, place);
+  hn::Store(hn::Add(hn::ShiftLeft<cell_bits>(xy), z.cell), di, place);
 
-  alignas(64) T rows[3 * vector_rows<T> * stride];
+  alignas(cache_line) T rows[3 * vector_rows<T> * stride];
   for (int l = 0; l < n;) {
     const int at = static_cast<int>(place[l]);
-    const T* from = work.coefficients + (at >> 2) * (3 * vector_row<T>)+(at & 3) * C;
+    const T* from =
+        work.coefficients + (at >> cell_bits) * gradient_y<T> + (at & (block_cells - 1)) * C;
     T* out = rows + l * row_size<T>;
     if (in_pairs<T> && l + 1 < n && place[l + 1] == place[l]) {
       gather_pair(weights + l, to(l), from, out, stride);
@@ -184,10 +187,10 @@ HWY_INLINE void copy_vectors(int count, const T* from, T* to) {
 template <class T, class S>
 void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, T* tile) {
   const Lanes<T> d;
-  constexpr int slab = tile_nodes * 4 * vector_row<T>, L = lane_count<T>;
+  constexpr int slab = tile_nodes * moment_y<T>, L = lane_count<T>;
   int first = 0, done = 0;  // particles first … done − 1 have their places, whole vectors of them
   for (int x = 0; x < block_cells; ++x) {
-    const std::int32_t* begin = block.begin + 16 * x;
+    const std::int32_t* begin = block.begin + cells_per_slab * x;
     // The slab before is over; its last vector may have held some of this one.
     const int start = begin[0] / L * L;
     if (start < done && start > first) {
@@ -196,13 +199,13 @@ void apply_hessian(const HessianBlock<S>& block, const HessianScratch<T>& work, 
                    work.records);
     }
     first = start;
-    for (; done < begin[16]; done += L) act<T>(block, done, first, work);
-    const bool any = begin[16] > begin[0];
+    for (; done < begin[cells_per_slab]; done += L) act<T>(block, done, first, work);
+    const bool any = begin[cells_per_slab] > begin[0];
     if (any) {
       for (int i = 0; i < slab; i += lane_count<T>) hn::Store(hn::Zero(d), d, work.moments + i);
-      for (int c = 0; c < 16; ++c)
+      for (int c = 0; c < cells_per_slab; ++c)
         scatter_cell(work, begin[c] - first, begin[c + 1] - begin[c],
-                     work.moments + c / 4 * 4 * vector_row<T> + c % 4 * channels<T>);
+                     work.moments + c / block_cells * moment_y<T> + c % block_cells * channels<T>);
     }
     finish_planes(work.moments, x, any, tile);
   }

@@ -22,7 +22,7 @@ namespace kn = firn::kernels::HWY_NAMESPACE;
 /// Sums of C channels as a planar field.
 template <class T, int C>
 void planar_vector(const T* sums, T* field) {
-  alignas(64) T unused[nodes_per_block];
+  alignas(cache_line) T unused[nodes_per_block];
   for (int component = 0; component < 3; component += C, sums += C * nodes_per_block) {
     T* to[C];
     for (int c = 0; c < C; ++c)
@@ -37,12 +37,12 @@ template <class T, class Field>
 void pack_vector(const Field* field, T* gathered) {
   constexpr int C = channels<T>;
   // The nodes of a row; two vectors on 128-bit targets in double.
-  constexpr int step = lane_count<Field> < 4 ? lane_count<Field> : 4;
+  constexpr int step = lane_count<Field> < stencil_nodes ? lane_count<Field> : stencil_nodes;
   const hn::CappedTag<T, step> d;
   const hn::CappedTag<Field, step> from;
-  for (int i = 0; i < nodes_per_block; i += 4)
+  for (int i = 0; i < nodes_per_block; i += stencil_nodes)
     for (int r = 0; r < force_rows<T>; ++r, gathered += row_size<T>)
-      for (int z = 0; z < 4; z += step) {
+      for (int z = 0; z < stencil_nodes; z += step) {
         const auto channel = [&](int c) HWY_ATTR {
           c += r * C;
           const auto v = hn::LoadU(from, field + (c < 3 ? c : 2) * nodes_per_block + i + z);
@@ -66,7 +66,7 @@ void pack_vector(const Field* field, T* gathered) {
 /// A block's sum is kept in as many parts as the widest instruction set has lanes, so that all of
 /// them add in the same order.
 template <class T>
-inline constexpr int sum_vectors = 64 / static_cast<int>(sizeof(T)) / lane_count<T>;
+inline constexpr int sum_vectors = chunk_lanes<T> / lane_count<T>;
 
 template <class T>
 HWY_INLINE void set_zero(Vec<T>* sums) {
@@ -77,7 +77,7 @@ template <class T>
 HWY_INLINE double total(const Vec<T>* sums) {
   double total = 0;
   for (int k = 0; k < sum_vectors<T>; ++k) {
-    alignas(64) T lane[lane_count<T>];
+    alignas(cache_line) T lane[lane_count<T>];
     hn::Store(sums[k], Lanes<T>(), lane);
     for (int i = 0; i < lane_count<T>; ++i) total += static_cast<double>(lane[i]);
   }

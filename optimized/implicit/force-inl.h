@@ -45,7 +45,7 @@ HWY_INLINE HessianRows<T> rows_of(const HessianScratch<T>& work, int i) {
 /// are those of particle p.
 template <int first, int count, int nodes, class T, class Rows>
 HWY_INLINE void accumulate_rows(const Rows& rows, int n, int j, T* sums) {
-  constexpr int R = tile_row_size<T>, y_stride = 4 * vector_row<T>;
+  constexpr int R = tile_row_size<T>, y_stride = moment_y<T>;
   VectorSums<T> a[nodes][count];
   for (int k = 0; k < nodes; ++k)
     for (int r = 0; r < count; ++r) a[k][r] = VectorSums<T>(sums + k * y_stride + r * R);
@@ -82,12 +82,12 @@ HWY_INLINE void accumulate_rows(const Rows& rows, int n, int j, T* sums) {
 template <class T>
 HWY_INLINE void scatter_cell(const HessianScratch<T>& work, int i, int count, T* moments) {
   if constexpr (vector_rows<T> == 1) {  // 32 registers keep all 16 sums
-    accumulate_rows<0, 1, 4>([&](int p) HWY_ATTR { return rows_of(work, i + p); }, count, 0,
-                             moments);
+    accumulate_rows<0, 1, stencil_nodes>([&](int p) HWY_ATTR { return rows_of(work, i + p); },
+                                         count, 0, moments);
     return;
   }
   constexpr int batch = 16;  // 16 particles' rows fit beside the sums in L1
-  constexpr int y_stride = 4 * vector_row<T>, R = tile_row_size<T>;
+  constexpr int y_stride = moment_y<T>, R = tile_row_size<T>;
   HWY_ALIGN HessianRows<T> prepared[batch];
   const auto rows = [&](int p) HWY_ATTR -> const HessianRows<T>& { return prepared[p]; };
   for (; count > 0; count -= batch, i += batch) {
@@ -97,7 +97,7 @@ HWY_INLINE void scatter_cell(const HessianScratch<T>& work, int i, int count, T*
       accumulate_rows<0, 2, 2>(rows, n, 0, moments);
       accumulate_rows<0, 2, 2>(rows, n, 2, moments + 2 * y_stride);
     } else {
-      for (int j = 0; j < 4; ++j) {
+      for (int j = 0; j < stencil_nodes; ++j) {
         T* const sums = moments + j * y_stride;
         accumulate_rows<0, 2, 1>(rows, n, j, sums);
         if constexpr (vector_rows<T> == 3) accumulate_rows<2, 1, 1>(rows, n, j, sums + 2 * R);
@@ -112,7 +112,7 @@ HWY_INLINE void finish_planes(const T* moments, int x, bool any, T* tile) {
   const Lanes<T> d;
   const auto two = hn::Set(d, static_cast<T>(2));
   for (int y = 0; y < tile_nodes; ++y) {
-    const T* m = moments + y * 4 * vector_row<T>;
+    const T* m = moments + y * moment_y<T>;
     T* to = tile + x * vector_plane<T> + y * vector_row<T>;
     for (int i = 0; i < vector_row<T>; i += lane_count<T>, m += lane_count<T>) {
       auto n0 = hn::Zero(d), n1 = n0, n2 = n0, n3 = n0;
@@ -147,7 +147,7 @@ void tile_total(const T* tile, double* total) {
     for (int xy = 0; xy < tile_nodes * tile_nodes; ++xy)
       for (int i = 0; i < n / L; ++i)
         sums[i] = hn::Add(sums[i], load_wide<double>(tile + (xy * vector_rows<T> + r) * n + i * L));
-    alignas(64) double by_height[n];
+    alignas(cache_line) double by_height[n];
     for (int i = 0; i < n / L; ++i) hn::Store(sums[i], d, by_height + i * L);
     for (int c = 0; c < C && r * C + c < 3; ++c) {
       double& sum = total[r * C + c] = 0;

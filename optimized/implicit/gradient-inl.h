@@ -23,6 +23,12 @@ template <class T>
 inline constexpr int vector_row = vector_rows<T>* tile_row_size<T>;
 template <class T>
 inline constexpr int vector_plane = tile_nodes* vector_row<T>;
+/// From one y to the next in the coefficients, [x 1…5][y][V, Δ, S][row][z][channel], and in a
+/// slab's moments, [y][n0, s0, s1, n3][row][z][channel].
+template <class T>
+inline constexpr int gradient_y = kinds_in_x* vector_row<T>;
+template <class T>
+inline constexpr int moment_y = sums_in_x* vector_row<T>;
 
 /// What a vector of particles is multiplied by, one quantity after the other, a value per lane:
 /// each is read as one number for a whole row, so that nothing has to be transposed.
@@ -58,14 +64,14 @@ HWY_INLINE Row<T> weight(const T* of_particle, int which) {
   return all(of_particle + which * lane_count<T>);
 }
 
-/// V, Δ and S of the local values: [x 1…5][y][V, Δ, S][row][z][channel].
+/// V, Δ and S of the local values.
 template <class T>
 void vector_difference(const HessianScratch<T>& work) {
   const Lanes<T> d;
-  for (int x = 1; x <= 5; ++x)
+  for (int x = 1; x <= inner_planes; ++x)
     for (int y = 0; y < tile_nodes; ++y) {
       const T* from = work.local + x * vector_plane<T> + y * vector_row<T>;
-      T* to = work.coefficients + ((x - 1) * tile_nodes + y) * 3 * vector_row<T>;
+      T* to = work.coefficients + ((x - 1) * tile_nodes + y) * gradient_y<T>;
       for (int i = 0; i < vector_row<T>; i += lane_count<T>) {
         const auto v = hn::Load(d, from + i);
         const auto right = hn::Sub(hn::Load(d, from + vector_plane<T> + i), v);
@@ -105,8 +111,7 @@ HWY_INLINE void contract(const Weights* weights, const T* from, ContractedRow<T>
     t[k] = weights[k](weight_t), w0[k] = weights[k](weight_x0), w3[k] = weights[k](weight_x3);
     d0[k] = weights[k](derivative_x0), d3[k] = weights[k](derivative_x3);
   }
-  constexpr int y_stride = 3 * vector_row<T>;
-  for (int j = 0; j < 4; ++j, from += y_stride) {
+  for (int j = 0; j < stencil_nodes; ++j, from += gradient_y<T>) {
     Row<T> w_y[count], dw_y[count];
     for (int k = 0; k < count; ++k)
       w_y[k] = weights[k](weight_y + j), dw_y[k] = weights[k](derivative_y + j);
@@ -114,7 +119,7 @@ HWY_INLINE void contract(const Weights* weights, const T* from, ContractedRow<T>
       const T* const p = from + r * tile_row_size<T>;
       const Row<T> v = load_row(p), slope = load_row(p + vector_row<T>);
       const Row<T> s1 = load_row(p + 2 * vector_row<T>);
-      const Row<T> s2 = load_row(p + tile_nodes * y_stride + 2 * vector_row<T>);
+      const Row<T> s2 = load_row(p + tile_nodes * gradient_y<T> + 2 * vector_row<T>);
       for (int k = 0; k < count; ++k) {
         const Row<T> b = mul_add(w3[k], s2, mul_add(w0[k], s1, mul_add(t[k], slope, v)));
         const Row<T> e = mul_add(d3[k], s2, mul_add(d0[k], s1, slope));

@@ -2,6 +2,8 @@
 /// The kernels of the semi-implicit solve as its drivers see them, one table per pair
 /// of types and instruction set.
 
+#include <type_traits>
+
 #include "optimized/implicit/layout.hpp"
 
 namespace firn::optimized {
@@ -15,7 +17,7 @@ struct HessianKernels {
   int tile_size, gathered_size, sums_size;
 
   /// The node values around a block; see KernelTable.
-  void (*load_local)(const T* const gathered[8], T* local);
+  void (*load_local)(const T* const gathered[tile_corners], T* local);
   void (*load_region)(const T* gathered, const Region&, T* local);
   void (*difference)(const HessianScratch<T>&);
 
@@ -65,32 +67,36 @@ const FieldKernels<double>& field_kernels_double();
 const SetupKernels<float>& setup_kernels_float();
 const SetupKernels<double>& setup_kernels_double();
 
-template <class T, class S>
-const HessianKernels<T, S>& hessian_kernels() {
-  if constexpr (sizeof(T) == 4 && sizeof(S) == 4)
-    return hessian_float();
-  else if constexpr (sizeof(T) == 4)
-    return hessian_float_of_double();
-  else if constexpr (sizeof(S) == 4)
-    return hessian_double_of_float();
-  else
-    return hessian_double();
-}
+/// All of them for particles stored in type S. A solver keeps those of the instruction set that was
+/// in use when it was made: the layout of tiles and gathered fields depends on it.
+template <class S>
+struct ImplicitKernels {
+  const HessianKernels<float, S>& hessian_in_float;
+  const HessianKernels<double, S>& hessian_in_double;
+  const FieldKernels<S>& fields;
+  const FieldKernels<double>& fields_in_double;
+  const SetupKernels<S>& setup;
 
-template <class T>
-const FieldKernels<T>& field_kernels() {
-  if constexpr (sizeof(T) == 4)
-    return field_kernels_float();
-  else
-    return field_kernels_double();
-}
+  template <class T>
+  const HessianKernels<T, S>& hessian() const {
+    if constexpr (std::is_same_v<T, float>)
+      return hessian_in_float;
+    else
+      return hessian_in_double;
+  }
+};
 
 template <class S>
-const SetupKernels<S>& setup_kernels() {
-  if constexpr (sizeof(S) == 4)
-    return setup_kernels_float();
-  else
-    return setup_kernels_double();
+ImplicitKernels<S> implicit_kernels();
+template <>
+inline ImplicitKernels<float> implicit_kernels() {
+  return {hessian_float(), hessian_double_of_float(), field_kernels_float(), field_kernels_double(),
+          setup_kernels_float()};
+}
+template <>
+inline ImplicitKernels<double> implicit_kernels() {
+  return {hessian_float_of_double(), hessian_double(), field_kernels_double(),
+          field_kernels_double(), setup_kernels_double()};
 }
 
 }  // namespace firn::optimized

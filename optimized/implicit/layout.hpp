@@ -31,7 +31,7 @@ struct HessianBlock {
   BlockView<S> particles;
   int slots;                  ///< per particle
   const S* factors;           ///< chunks of hessian_slots
-  const std::int32_t* begin;  ///< where each of the 64 cells begins, and the end
+  const std::int32_t* begin;  ///< where each of the block's cells begins, and the end
 };
 
 /// Numbers per particle while an x-slab is worked upon: weights, and a record of what it scatters.
@@ -48,13 +48,20 @@ struct HessianScratch {
   T* coefficients;  ///< their difference form
 };
 
-/// The largest of these for a vector field, in up to 4 channels.
-inline constexpr int vector_moments_size = tile_nodes * 4 * 4 * tile_row;
-inline constexpr int vector_local_size = tile_nodes * tile_nodes * 4 * tile_row;
-inline constexpr int vector_coefficients_size = 5 * tile_nodes * 3 * 4 * tile_row;
+/// Values that a node's rows of a vector field hold at most.
+inline constexpr int vector_values = 4;
+/// Bounds on the lengths of moments, local values and coefficients.
+inline constexpr int vector_moments_size = tile_nodes * sums_in_x * vector_values * tile_row;
+inline constexpr int vector_local_size = tile_nodes * tile_nodes * vector_values * tile_row;
+inline constexpr int vector_coefficients_size =
+    inner_planes * tile_nodes * kinds_in_x * vector_values * tile_row;
 
 /// A vector at the nodes of one node block, planar: [axis][node].
 inline constexpr int field_size = 3 * nodes_per_block;
+template <class T>
+struct BlockField {
+  T v[3][nodes_per_block];
+};
 /// A symmetric matrix at the nodes of one node block, planar: [xx xy xz yy yz zz][node].
 inline constexpr int matrix_size = 6 * nodes_per_block;
 

@@ -8,7 +8,7 @@
 #endif
 
 #include "optimized/implicit/apply-inl.h"
-#include "optimized/passes/update-inl.h"
+#include "optimized/passes/slots-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

@@ -19,8 +19,8 @@ template <class T, class S>
 HessianKernels<T, S> make_hessian_kernels() {
   using Field = FieldType<T, S>;
   return {tile_nodes * vector_plane<T>,
-          16 * vector_rows<T> * row_size<T>,
-          16 * vector_rows<T> * row_size<T>,
+          rows_per_block * vector_rows<T> * row_size<T>,
+          rows_per_block * vector_rows<T> * row_size<T>,
           &load_local<T, vector_rows<T>>,
           &load_region<T, vector_rows<T>>,
           &vector_difference<T>,

@@ -1,5 +1,5 @@
 /// Stress and return map of a vector of particles, put together from
-/// optimized/kernels: what a lane gets never depends on its neighbours.
+/// optimized/math: what a lane gets never depends on its neighbours.
 ///
 /// The bodies are written for a tag D as those are: one vector, or two side by side
 /// (PairOf), of which one computes while the other waits for its roots and divisions.

@@ -37,34 +37,34 @@ ContactMode collide(const Collider& collider, const Contact& contact, bool skip_
   return ContactMode::slides;
 }
 
-void Contacts::near(const Vec3& center, double radius, std::vector<int>& out) const {
+void Contacts::near(const Vec3& center, double radius, std::vector<std::size_t>& out) const {
   out.clear();
   for (std::size_t k = 0; k < scene_->colliders.size(); ++k) {
     const Collider& collider = scene_->colliders[k];
     // φ itself is rounded: 1e-12 of its size is thousands of times that.
     const double phi = collider.phi(center, time_);
     if (!(phi > lipschitz_bound(collider.shape) * radius + 1e-12 * (std::abs(phi) + center.norm())))
-      out.push_back(static_cast<int>(k));
+      out.push_back(k);
   }
 }
 
-void Contacts::all(std::vector<int>& out) const {
+void Contacts::all(std::vector<std::size_t>& out) const {
   out.clear();
-  for (std::size_t k = 0; k < scene_->colliders.size(); ++k) out.push_back(static_cast<int>(k));
+  for (std::size_t k = 0; k < scene_->colliders.size(); ++k) out.push_back(k);
 }
 
-void Contacts::collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v) const {
-  for (const int k : colliders) {
-    const Collider& collider = scene_->colliders[static_cast<std::size_t>(k)];
+void Contacts::collide(const std::vector<std::size_t>& colliders, const Vec3& x, Vec3& v) const {
+  for (const std::size_t k : colliders) {
+    const Collider& collider = scene_->colliders[k];
     if (collider.phi(x, time_) > 0) continue;
     optimized::collide(collider, collider.contact(x, time_), skip_friction_, v);
   }
 }
 
-void Contacts::collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v,
+void Contacts::collide(const std::vector<std::size_t>& colliders, const Vec3& x, Vec3& v,
                        Mat3& free) const {
-  for (const int k : colliders) {
-    const Collider& collider = scene_->colliders[static_cast<std::size_t>(k)];
+  for (const std::size_t k : colliders) {
+    const Collider& collider = scene_->colliders[k];
     if (collider.phi(x, time_) > 0) continue;
     const Contact contact = collider.contact(x, time_);
     const ContactMode mode = optimized::collide(collider, contact, skip_friction_, v);

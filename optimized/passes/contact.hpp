@@ -23,16 +23,16 @@ class Contacts {
 
   /// Collider numbers that may have φ ≤ 0 somewhere within `radius` of `center`:
   /// φ(x) ≥ φ(center) − L·radius with L the Lipschitz bound of φ.
-  void near(const Vec3& center, double radius, std::vector<int>& out) const;
+  void near(const Vec3& center, double radius, std::vector<std::size_t>& out) const;
 
   /// v after all the given colliders, in scene order.
-  void collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v) const;
+  void collide(const std::vector<std::size_t>& colliders, const Vec3& x, Vec3& v) const;
 
   /// The same; `free` is multiplied by the projector onto the directions that they leave free.
-  void collide(const std::vector<int>& colliders, const Vec3& x, Vec3& v, Mat3& free) const;
+  void collide(const std::vector<std::size_t>& colliders, const Vec3& x, Vec3& v, Mat3& free) const;
 
   /// All of them.
-  void all(std::vector<int>& out) const;
+  void all(std::vector<std::size_t>& out) const;
 
  private:
   const Scene* scene_ = nullptr;

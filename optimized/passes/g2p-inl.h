@@ -38,7 +38,11 @@ inline constexpr int row_stride = cells_apart<T> ? block_cells* row_size<T> : ti
 template <class T>
 inline constexpr int kind_stride = gather_rows<T>* row_stride<T>;
 template <class T>
-inline constexpr int coefficient_y = 3 * kind_stride<T>;
+inline constexpr int difference_1 = kind_stride<T>;
+template <class T>
+inline constexpr int difference_2 = 2 * kind_stride<T>;
+template <class T>
+inline constexpr int coefficient_y = kinds_in_x* kind_stride<T>;
 template <class T>
 inline constexpr int coefficient_x = tile_nodes* coefficient_y<T>;
 
@@ -61,11 +65,11 @@ void difference(const Workspace<T>& work) {
       T* to = work.coefficients + y * coefficient_y<T> + i;
       auto v = hn::LoadU(d, from + plane);
       auto left = hn::Sub(v, hn::LoadU(d, from));
-      for (int x = 1; x <= 5; ++x, to += coefficient_x<T>) {
+      for (int x = 1; x <= inner_planes; ++x, to += coefficient_x<T>) {
         const auto next = hn::LoadU(d, from + (x + 1) * plane);
         const auto right = hn::Sub(next, v);
-        if (x < 5) hn::Store(v, d, to), hn::Store(right, d, to + kind_stride<T>);
-        hn::Store(hn::Sub(right, left), d, to + 2 * kind_stride<T>);
+        if (x < inner_planes) hn::Store(v, d, to), hn::Store(right, d, to + difference_1<T>);
+        hn::Store(hn::Sub(right, left), d, to + difference_2<T>);
         v = next, left = right;
       }
     }
@@ -74,9 +78,11 @@ void difference(const Workspace<T>& work) {
 /// What one particle needs to gather, spread out so that each can be broadcast.
 template <class T>
 struct GatherWeights {
-  alignas(64) T t[lane_count<T>], w0[lane_count<T>], w3[lane_count<T>], d0[lane_count<T>],
-      d3[lane_count<T>], w_y[4][lane_count<T>], d_y[4][lane_count<T>], r[lane_count<T>];
-  alignas(64) Integer<T> place[lane_count<T>];  ///< of the first stencil row in the coefficients
+  alignas(cache_line) T t[lane_count<T>], w0[lane_count<T>], w3[lane_count<T>], d0[lane_count<T>],
+      d3[lane_count<T>], w_y[stencil_nodes][lane_count<T>], d_y[stencil_nodes][lane_count<T>],
+      r[lane_count<T>];
+  alignas(cache_line)
+      Integer<T> place[lane_count<T>];  ///< of the first stencil row in the coefficients
 };
 
 template <class T>
@@ -90,10 +96,12 @@ HWY_INLINE void gather_weights(const T* q, GatherWeights<T>& g) {
   const auto wx = axis_weights<T>(x.t, x.o), wy = axis_weights<T>(y.t, y.o);
   hn::Store(x.t, d, g.t), hn::Store(wx.w[0], d, g.w0), hn::Store(wx.w[3], d, g.w3);
   hn::Store(wx.d[0], d, g.d0), hn::Store(wx.d[3], d, g.d3), hn::Store(z.t, d, g.r);
-  for (int j = 0; j < 4; ++j) hn::Store(wy.w[j], d, g.w_y[j]), hn::Store(wy.d[j], d, g.d_y[j]);
+  for (int j = 0; j < stencil_nodes; ++j)
+    hn::Store(wy.w[j], d, g.w_y[j]), hn::Store(wy.d[j], d, g.d_y[j]);
   // coefficient_x = 7 coefficient_y: place = (7x + y)·coefficient_y + z·C; 7x = 8x − x.
+  static_assert(tile_nodes == 7);
   const auto xy = hn::Add(hn::Sub(hn::ShiftLeft<3>(x.cell), x.cell), y.cell);
-  hn::Store(hn::Add(hn::ShiftLeft<2>(xy), z.cell), di, g.place);
+  hn::Store(hn::Add(hn::ShiftLeft<cell_bits>(xy), z.cell), di, g.place);
 }
 
 /// The rows of one particle, contracted over x and y: Σ w_x w_y v of every row, and of the
@@ -108,13 +116,13 @@ template <int first, int last, class T>
 HWY_INLINE void contract(const GatherWeights<T>& g, int l, const T* from, Contracted<T>& sum) {
   const Row<T> t = all(g.t + l), w0 = all(g.w0 + l), w3 = all(g.w3 + l);
   const Row<T> d0 = all(g.d0 + l), d3 = all(g.d3 + l);
-  for (int j = 0; j < 4; ++j, from += coefficient_y<T>) {
+  for (int j = 0; j < stencil_nodes; ++j, from += coefficient_y<T>) {
     const Row<T> w_y = all(g.w_y[j] + l), dw_y = all(g.d_y[j] + l);
     for (int r = first; r < last; ++r) {
       const T* p = from + r * row_stride<T>;
-      const Row<T> slope = load_row(p + kind_stride<T>);
-      const Row<T> s1 = load_row(p + 2 * kind_stride<T>);
-      const Row<T> s2 = load_row(p + coefficient_x<T> + 2 * kind_stride<T>);
+      const Row<T> slope = load_row(p + difference_1<T>);
+      const Row<T> s1 = load_row(p + difference_2<T>);
+      const Row<T> s2 = load_row(p + coefficient_x<T> + difference_2<T>);
       const Row<T> b = mul_add(w3, s2, mul_add(w0, s1, mul_add(t, slope, load_row(p))));
       sum.value[r] = j == 0 ? w_y * b : mul_add(w_y, b, sum.value[r]);
       if (r < gradient_rows<T>) {
@@ -133,7 +141,8 @@ HWY_INLINE void gather_particle(const ZKernel<T>& kernel, const Row<T>& gradient
                                 int stride) {
   constexpr int rows = gather_rows<T>, gradients = gradient_rows<T>;
   const int place = static_cast<int>(g.place[l]);
-  const T* from = coefficients + (place >> 2) * coefficient_y<T> + (place & 3) * cell_stride<T>;
+  const T* from = coefficients + (place >> cell_bits) * coefficient_y<T> +
+                  (place & (block_cells - 1)) * cell_stride<T>;
   Contracted<T> sum;
   if constexpr (channels<T> == 1) {  // all 12 sums at once would not fit into 16 registers
     contract<0, gradients>(g, l, from, sum);
@@ -178,10 +187,10 @@ struct ChunkAhead {
     if (chunk == nullptr) return;
     // Slots 0 … 31 in equal shares; those of F_P lie in 16 … 23, but for one.
     static_assert(slot_E_P == 15 && slot_tau == 24 && slot_stiffness == 32);
-    constexpr int lines = 32 / chunk_lanes<T>;
+    constexpr int lines = slot_stiffness / chunk_lanes<T>;
     const int first = lines * (place + l);
     if (first == 0) hwy::Prefetch(chunk + slot_stiffness * chunk_lanes<T>);
-    if (!plastic && (first & ~7) == 16) return;
+    if (!plastic && (first & ~7) == slot_E_P + 1) return;
     for (int k = 0; k < lines; ++k) hwy::Prefetch(chunk + (first + k) * chunk_lanes<T>);
   }
 };
@@ -193,7 +202,7 @@ HWY_INLINE void gather(const ZKernel<T>& kernel, const Row<T>& gradient_lanes, c
   constexpr int stride = L * row_size<T>;
   GatherWeights<T> g;
   gather_weights(q, g);
-  alignas(64) T rows[gathered_rows<T> * stride];
+  alignas(cache_line) T rows[gathered_rows<T> * stride];
   for (int l = 0; l < n; ++l) {
     ahead.prefetch(l);
     gather_particle(kernel, gradient_lanes, g, l, coefficients, rows + l * row_size<T>, stride);
@@ -226,7 +235,7 @@ HWY_INLINE void gather(const ZKernel<T>& kernel, const Row<T>& gradient_lanes, c
 /// All-ones in the lanes of the last gradient row that hold a component of v_new.
 template <class T>
 HWY_INLINE Row<T> gradient_lane_mask() {
-  alignas(64) T c[row_size<T>];
+  alignas(cache_line) T c[row_size<T>];
   for (int i = 0; i < row_size<T>; ++i)
     c[i] = (gradient_rows<T> - 1) * channels<T> + i % channels<T> < 3 ? T(1) : T(0);
   Row<T> r = load_row(c);

@@ -24,15 +24,16 @@ void add_tile(const T* tile, const Region& region, Sum* sums) {
   constexpr int xy_row = row_size<T>;
   // Tile nodes 4 … 6 are followed by a 7th of zeros: the whole row may be added. Tile nodes
   // 0 … 2 alone, which the end of a period cuts off, are followed by another node.
-  const bool whole_row = region.node[2] == 0 && ((region.tile[2] == 0 && region.size[2] == 4) ||
-                                                 (region.tile[2] == 4 && region.size[2] == 3));
+  constexpr int low = block_cells, high = tile_nodes - low;  // nodes of either node block
+  const bool whole_row = region.node[2] == 0 && ((region.tile[2] == 0 && region.size[2] == low) ||
+                                                 (region.tile[2] == low && region.size[2] == high));
   for (int x = 0; x < region.size[0]; ++x)
     for (int y = 0; y < region.size[1]; ++y) {
       const T* from = tile + region.tile[2] * channels<T> +
                       ((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows * R;
-      Sum* to = sums + (4 * (x + region.node[0]) + y + region.node[1]) * xy_row +
+      Sum* to = sums + (block_cells * (x + region.node[0]) + y + region.node[1]) * xy_row +
                 region.node[2] * channels<T>;
-      for (int r = 0; r < rows; ++r, from += R, to += 16 * xy_row) {
+      for (int r = 0; r < rows; ++r, from += R, to += rows_per_block * xy_row) {
         if (HWY_LIKELY(whole_row)) {
           for (int i = 0; i < xy_row; i += lane_count<Sum>)
             hn::StoreU(hn::Add(hn::LoadU(d, to + i), load_wide<Sum>(from + i)), d, to + i);
@@ -43,7 +44,7 @@ void add_tile(const T* tile, const Region& region, Sum* sums) {
     }
 }
 
-/// C planar arrays of 64 values from one row, channel fastest.
+/// C planar arrays of a value per node from one row, channel fastest.
 template <class T, int C = channels<T>>
 HWY_INLINE void separate(const T* row, T* const* to) {
   const Lanes<T> d;
@@ -83,13 +84,14 @@ HWY_INLINE void interleave(const T* const* from, T* row) {
 /// Leaves zeros behind for the sums of the next node block.
 template <class T>
 void planar(T* sums, NodeFields<T>& node) {
-  alignas(64) T unused[nodes_per_block];
-  T* const to[8] = {node.momentum[0], node.momentum[1], node.momentum[2], node.m,
-                    node.f[0],        node.f[1],        node.f[2],        unused};
+  alignas(cache_line) T unused[nodes_per_block];
+  T* const to[values_per_node] = {node.momentum[0], node.momentum[1], node.momentum[2], node.m,
+                                  node.f[0],        node.f[1],        node.f[2],        unused};
   const Lanes<T> d;
-  for (int r = 0; r < tile_rows<T>; ++r, sums += 16 * row_size<T>) {
+  for (int r = 0; r < tile_rows<T>; ++r, sums += rows_per_block * row_size<T>) {
     separate(sums, to + r * channels<T>);
-    for (int i = 0; i < 16 * row_size<T>; i += lane_count<T>) hn::Store(hn::Zero(d), d, sums + i);
+    for (int i = 0; i < rows_per_block * row_size<T>; i += lane_count<T>)
+      hn::Store(hn::Zero(d), d, sums + i);
   }
 }
 
@@ -151,18 +153,18 @@ template <class T>
 bool pack_gathered(const StepConstants<T>& step, const NodeMotion<T>& node, T* gathered) {
   const Lanes<T> d;
   constexpr int C = channels<T>;
-  alignas(64) T u[3][nodes_per_block];
+  alignas(cache_line) T u[3][nodes_per_block];
   const auto flip = hn::Set(d, step.flip);
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < nodes_per_block; i += lane_count<T>)
       hn::Store(hn::NegMulAdd(flip, hn::Load(d, node.v[a] + i), hn::Load(d, node.v_star[a] + i)), d,
                 u[a] + i);
-  const T* const from[8] = {node.v_star[0], node.v_star[1], node.v_star[2], u[0],
-                            u[1],           u[2],           u[2],           u[2]};
+  const T* const from[values_per_node] = {node.v_star[0], node.v_star[1], node.v_star[2], u[0],
+                                          u[1],           u[2],           u[2],           u[2]};
   for (int r = 0; r < gather_rows<T>; ++r) {
-    alignas(64) T row[16 * row_size<T>];
+    alignas(cache_line) T row[rows_per_block * row_size<T>];
     interleave(from + r * C, row);
-    for (int xy = 0; xy < 16; ++xy)
+    for (int xy = 0; xy < rows_per_block; ++xy)
       store_row(load_row(row + xy * row_size<T>),
                 gathered + (xy * gather_rows<T> + r) * row_size<T>);
   }

@@ -19,10 +19,8 @@ struct KernelTable {
   /// A region of a tile added to a node block's sums.
   void (*add_tile)(const T* tile, const Region&, T* sums);
 
-  /// Values in a node block's sums, which start from zero.
-  int sums_size;
-  /// Sums (rows as in a tile, 4 nodes in z) to planar momentum, mass and Σ A ∂w; the sums
-  /// are zero again afterwards.
+  /// A node block's sums (rows as in a tile, 4 nodes in z), which started from zero, to planar
+  /// momentum, mass and Σ A ∂w; the sums are zero again afterwards.
   void (*planar)(T* sums, NodeFields<T>&);
 
   /// Stage 1: v_i = (m v)_i / m_i.
@@ -36,7 +34,7 @@ struct KernelTable {
 
   /// The node values around a block, from the 8 node blocks that it meets or, at
   /// the end of a period that is no multiple of 4, region by region.
-  void (*load_local)(const T* const gathered[8], T* local);
+  void (*load_local)(const T* const gathered[tile_corners], T* local);
   void (*load_region)(const T* gathered, const Region&, T* local);
   /// Their difference form.
   void (*difference)(const Workspace<T>&);

@@ -7,7 +7,8 @@
 #define FIRN_OPTIMIZED_MEASURE_INL_H_
 #endif
 
-#include "optimized/passes/update-inl.h"
+#include "optimized/passes/records-inl.h"
+#include "optimized/passes/slots-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace firn::optimized {

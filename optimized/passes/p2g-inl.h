@@ -37,6 +37,10 @@ struct ParticleRows {
   Row<T> z[force_rows<T>];    // w'_z τ_·z
 };
 
+/// From one y to the next in a slab's sums, [y][n0, s0, s1, n3][row][z][channel].
+template <class T>
+inline constexpr int tile_moment_y = sums_in_x* tile_rows<T>* tile_row_size<T>;
+
 template <class T>
 using TileSums = RowSums<T, tile_rows<T> * tile_row_size<T>>;
 
@@ -109,10 +113,10 @@ HWY_INLINE void accumulate_force(const ParticleRows<T>* rows, const T* record, i
 /// channels: 32 registers keep the 16 sums, and what belongs to x is read once for two nodes.
 template <bool with_force, class T>
 HWY_INLINE void accumulate_two_nodes(const ParticleRows<T>* rows, const T* record, int n, int j,
-                                     T* sums, int y_stride) {
+                                     T* sums) {
   constexpr int R = tile_row_size<T>;
-  TileSums<T> mass[2] = {TileSums<T>(sums), TileSums<T>(sums + y_stride)};
-  TileSums<T> force[2] = {TileSums<T>(sums + R), TileSums<T>(sums + y_stride + R)};
+  TileSums<T> mass[2] = {TileSums<T>(sums), TileSums<T>(sums + tile_moment_y<T>)};
+  TileSums<T> force[2] = {TileSums<T>(sums + R), TileSums<T>(sums + tile_moment_y<T> + R)};
   for (int p = 0; p < n; ++p, record += record_size) {
     const Row<T> t = all(record + record_t);
     const Row<T> w0 = all(record + record_w_x0), w3 = all(record + record_w_x3);
@@ -136,21 +140,20 @@ HWY_INLINE void accumulate_two_nodes(const ParticleRows<T>* rows, const T* recor
     }
   }
   for (int k = 0; k < 2; ++k) {
-    mass[k].store(sums + k * y_stride);
-    if constexpr (with_force) force[k].store(sums + k * y_stride + R);
+    mass[k].store(sums + k * tile_moment_y<T>);
+    if constexpr (with_force) force[k].store(sums + k * tile_moment_y<T> + R);
   }
 }
 
 /// All rows of the particles of one cell; those of the force only where there is stress.
 template <bool with_force, class T>
-HWY_INLINE void accumulate(const ParticleRows<T>* rows, const T* record, int n, T* sums,
-                           int y_stride) {
+HWY_INLINE void accumulate(const ParticleRows<T>* rows, const T* record, int n, T* sums) {
   constexpr int R = tile_row_size<T>;
   if constexpr (mass_rows<T> == 1) {
-    accumulate_two_nodes<with_force>(rows, record, n, 0, sums, y_stride);
-    accumulate_two_nodes<with_force>(rows, record, n, 2, sums + 2 * y_stride, y_stride);
+    accumulate_two_nodes<with_force>(rows, record, n, 0, sums);
+    accumulate_two_nodes<with_force>(rows, record, n, 2, sums + 2 * tile_moment_y<T>);
   } else {
-    for (int j = 0; j < 4; ++j, sums += y_stride) {
+    for (int j = 0; j < stencil_nodes; ++j, sums += tile_moment_y<T>) {
       if constexpr (mass_rows<T> == 2) {
         accumulate_mass<0, 2>(rows, record, n, j, sums);
         if constexpr (with_force) accumulate_force<0, 2>(rows, record, n, j, sums + 2 * R);
@@ -177,12 +180,13 @@ struct ScatterAhead {
   int slots, x;              ///< the slab
 
   HWY_INLINE void prefetch(int c) const {
-    for (int k = lines * c / 16; k < lines * (c + 1) / 16; ++k)
+    for (int k = lines * c / cells_per_slab; k < lines * (c + 1) / cells_per_slab; ++k)
       hwy::Prefetch(planes + k * chunk_lanes<T>);
     if (next == nullptr) return;
     const int chunks = (next->count + chunk_lanes<T> - 1) / chunk_lanes<T>;
-    const int part = 16 * x + c;
-    for (int k = chunks * part / 64; k < chunks * (part + 1) / 64; ++k) {
+    constexpr int parts = cells_per_block;
+    const int part = cells_per_slab * x + c;
+    for (int k = chunks * part / parts; k < chunks * (part + 1) / parts; ++k) {
       prefetch_chunk(*next, slots, k * chunk_lanes<T>, slot_x, slot_v + 3);
       prefetch_chunk(*next, slots, k * chunk_lanes<T>, slot_tau, slot_m + 1);
     }
@@ -193,16 +197,16 @@ struct ScatterAhead {
 template <bool with_force, class T>
 HWY_INLINE void accumulate_slab(const ZKernel<T>& kernel, const int* begin, const T* records,
                                 T* moments, const ScatterAhead<T>& ahead) {
-  constexpr int y_stride = 4 * tile_rows<T> * tile_row_size<T>;
   HWY_ALIGN ParticleRows<T> rows[batch_size];
-  for (int c = 0; c < 16; ++c) {
+  for (int c = 0; c < cells_per_slab; ++c) {
     ahead.prefetch(c);
     for (int p = begin[c]; p < begin[c + 1]; p += batch_size) {
       const int n = begin[c + 1] - p < batch_size ? begin[c + 1] - p : batch_size;
       const T* record = records + p * record_size;
       for (int k = 0; k < n; ++k) prepare(kernel, record + k * record_size, rows[k]);
-      accumulate<with_force>(rows, record, n, moments + c / 4 * y_stride + c % 4 * channels<T>,
-                             y_stride);
+      accumulate<with_force>(
+          rows, record, n,
+          moments + c / block_cells * tile_moment_y<T> + c % block_cells * channels<T>);
     }
   }
 }
@@ -216,7 +220,7 @@ HWY_INLINE void finish_slab(const T* moments, int x, bool any, T* tile) {
   const Lanes<T> d;
   const auto two = hn::Set(d, static_cast<T>(2));
   for (int y = 0; y < tile_nodes; ++y) {
-    const T* m = moments + y * 4 * plane_row;
+    const T* m = moments + y * tile_moment_y<T>;
     T* to = tile + x * plane + y * plane_row;
     for (int i = 0; i < plane_row; i += lane_count<T>) {
       auto n0 = hn::Zero(d), n1 = n0, n2 = n0, n3 = n0;
@@ -248,20 +252,22 @@ void scatter(const BlockView<T>& block, const BlockView<T>* next, const StepCons
       write_records(block, step.slots, work.cells, begin, work.records) || !step.skip.rest;
   const ZKernel<T> kernel;
   const Lanes<T> d;
-  constexpr int slab = tile_nodes * 4 * tile_rows<T> * tile_row_size<T>;
+  constexpr int slab = tile_nodes * tile_moment_y<T>;
   constexpr int plane = tile_nodes * tile_rows<T> * tile_row_size<T>;
   for (int x = 0; x < block_cells; ++x) {
-    const bool any = begin[16 * x + 16] > begin[16 * x];
+    constexpr int n = cells_per_slab;
+    const bool any = begin[n * x + n] > begin[n * x];
     if (any) {
       FIRN_UNROLL_TWICE
       for (int i = 0; i < slab; i += lane_count<T>) hn::Store(hn::Zero(d), d, work.moments + i);
-      const int planes = x == 0 ? 4 : 1;  // finish_slab() comes to these for the first time
+      const int planes =
+          x == 0 ? stencil_nodes : 1;  // finish_slab() comes to these for the first time
       const ScatterAhead<T> ahead{tile + (x == 0 ? 0 : x + 3) * plane,
                                   planes * plane / chunk_lanes<T>, next, step.slots, x};
       if (HWY_LIKELY(stressed))
-        accumulate_slab<true>(kernel, begin + 16 * x, work.records, work.moments, ahead);
+        accumulate_slab<true>(kernel, begin + n * x, work.records, work.moments, ahead);
       else
-        accumulate_slab<false>(kernel, begin + 16 * x, work.records, work.moments, ahead);
+        accumulate_slab<false>(kernel, begin + n * x, work.records, work.moments, ahead);
     }
     finish_slab(work.moments, x, any, tile);
   }

@@ -25,6 +25,10 @@ using IntLanes = hn::RebindToSigned<Lanes<T>>;
 template <class T>
 using IntVec = hn::Vec<IntLanes<T>>;
 
+/// log2 of block_cells and of fixed_one: shifts that divide by them.
+inline constexpr int cell_bits = 2, fixed_bits = 28;
+static_assert(1 << cell_bits == block_cells && 1 << fixed_bits == fixed_one);
+
 /// Along one axis: the cell 0 … 3, the offset t in it and o = 1 − t.
 template <class T>
 struct AxisPosition {
@@ -39,7 +43,7 @@ HWY_INLINE AxisPosition<T> axis_position(const T* slot) {
   AxisPosition<T> a;
   if constexpr (sizeof(T) == 4) {
     const auto x = hn::BitCast(di, hn::Load(d, slot));
-    a.cell = hn::ShiftRight<28>(x);
+    a.cell = hn::ShiftRight<fixed_bits>(x);
     const auto fraction = hn::And(x, hn::Set(di, fixed_one - 1));
     const auto unit = hn::Set(d, 1.0f / static_cast<float>(fixed_one));
     a.t = hn::Mul(hn::ConvertTo(d, fraction), unit);
@@ -60,7 +64,7 @@ HWY_INLINE AxisPosition<T> axis_position(const T* slot) {
 /// outer branch factored: w0 = o³/6, w3 = t³/6.
 template <class T>
 struct AxisWeights {
-  Vec<T> w[4], d[4];
+  Vec<T> w[stencil_nodes], d[stencil_nodes];
 };
 
 template <class T>

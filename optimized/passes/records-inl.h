@@ -103,20 +103,22 @@ HWY_INLINE void count_cells(const BlockView<T>& block, int slots, std::uint8_t* 
   constexpr int n = lane_count<T>;
   constexpr int chunk = chunk_lanes<T>;
   const IntLanes<T> di;
-  int count[4][nodes_per_block] = {};
-  alignas(64) Integer<T> id[n];
+  // Several histograms: equal neighbours do not wait for each other.
+  constexpr int histograms = 4;
+  int count[histograms][nodes_per_block] = {};
+  alignas(cache_line) Integer<T> id[n];
   for (int i = 0; i < block.count; i += n) {
     const T* q = vector_of(block, slots, i);
     const auto x = axis_position<T>(q + slot_x * chunk).cell;
     const auto y = axis_position<T>(q + (slot_x + 1) * chunk).cell;
     const auto z = axis_position<T>(q + (slot_x + 2) * chunk).cell;
-    const auto xy = hn::Add(hn::ShiftLeft<2>(x), y);
-    hn::Store(hn::Add(hn::ShiftLeft<2>(xy), z), di, id);
+    const auto xy = hn::Add(hn::ShiftLeft<cell_bits>(x), y);
+    hn::Store(hn::Add(hn::ShiftLeft<cell_bits>(xy), z), di, id);
     const int m = block.count - i < n ? block.count - i : n;
     for (int l = m; l < n; ++l) cells[i + l] = nodes_per_block;
     for (int l = 0; l < m; ++l) {
       cells[i + l] = static_cast<std::uint8_t>(id[l]);
-      ++count[l & 3][id[l] & 63];  // four histograms: equal neighbours do not wait for each other
+      ++count[l % histograms][id[l] & (cells_per_block - 1)];
     }
   }
   begin[0] = 0;
@@ -150,8 +152,8 @@ HWY_INLINE bool write_records(const BlockView<T>& block, int slots, const std::u
                    hn::Mul(m, slot(slot_v + 2)), m, to, record_momentum);
     const auto t00 = slot(slot_tau), t01 = slot(slot_tau + 1), t02 = slot(slot_tau + 2);
     const auto t11 = slot(slot_tau + 3), t12 = slot(slot_tau + 4), t22 = slot(slot_tau + 5);
-    store_quads<T>(t00, t01, t02, t12, to, 4);
-    store_quads<T>(t22, t01, t11, t12, to, 8);
+    store_quads<T>(t00, t01, t02, t12, to, record_tau_x);
+    store_quads<T>(t22, t01, t11, t12, to, record_tau_z + 2);
     stress = hn::Or(hn::Or(hn::Or(stress, t00), hn::Or(t01, t02)), hn::Or(hn::Or(t11, t12), t22));
     store_quads<T>(wy.w[0], wy.w[1], wy.w[2], wy.w[3], to, record_w_y);
     store_quads<T>(wy.d[0], wy.d[1], wy.d[2], wy.d[3], to, record_d_y);

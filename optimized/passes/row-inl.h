@@ -36,22 +36,25 @@ template <class T>
 inline constexpr int lane_count = static_cast<int>(hn::MaxLanes(Lanes<T>()));
 /// C, the channels of a row.
 template <class T>
-inline constexpr int channels = lane_count<T> >= 4 ? lane_count<T> / 4 : 1;
+inline constexpr int channels = lane_count<T> >= stencil_nodes ? lane_count<T> / stencil_nodes : 1;
 /// Vectors per row.
 template <class T>
-inline constexpr int row_vectors = lane_count<T> >= 4 ? 1 : 4 / lane_count<T>;
+inline constexpr int row_vectors =
+    lane_count<T> >= stencil_nodes ? 1 : stencil_nodes / lane_count<T>;
 /// Values in a row of 4 nodes and in a tile row of 8.
 template <class T>
-inline constexpr int row_size = 4 * channels<T>;
+inline constexpr int row_size = stencil_nodes* channels<T>;
 template <class T>
 inline constexpr int tile_row_size = tile_row* channels<T>;
 
+/// Rows that hold (m v, m), and a vector: its fourth component, if there is room, is unused.
 template <class T>
 inline constexpr int mass_rows = 4 / channels<T>;
 template <class T>
 inline constexpr int force_rows = channels<T> == 1 ? 3 : 4 / channels<T>;
 template <class T>
 inline constexpr int tile_rows = mass_rows<T> + force_rows<T>;
+/// Rows that hold (v_new, u).
 template <class T>
 inline constexpr int gather_rows = (6 + channels<T> - 1) / channels<T>;
 /// Rows that hold a component of v_new, whose gradient is wanted.
@@ -122,7 +125,7 @@ HWY_INLINE Row<T> each_node(const T* p) {
     return load_row(p);
   } else {
     const Lanes<T> d;
-    alignas(64) Integer<T> node[row_size<T>];
+    alignas(cache_line) Integer<T> node[row_size<T>];
     for (int i = 0; i < row_size<T>; ++i) node[i] = i / C;
     const auto nodes = hn::SetTableIndices(d, node);
     if constexpr (sizeof(T) == 4) {
@@ -198,7 +201,7 @@ HWY_INLINE Row<T> mul_add(const Row<T>& a, const Row<T>& b, const Row<T>& c) {
 /// Four coefficients, one per node of the row, each in all C channels.
 template <class T>
 HWY_INLINE Row<T> per_node(double z0, double z1, double z2, double z3) {
-  alignas(64) T c[row_size<T>];
+  alignas(cache_line) T c[row_size<T>];
   const double z[4] = {z0, z1, z2, z3};
   for (int i = 0; i < row_size<T>; ++i) c[i] = static_cast<T>(z[i / channels<T>]);
   return load_row(c);

@@ -17,12 +17,14 @@ namespace HWY_NAMESPACE {
 
 /// From the 8 node blocks around the block.
 template <class T, int rows>
-void load_local(const T* const gathered[8], T* local) {
+void load_local(const T* const gathered[tile_corners], T* local) {
   constexpr int R = tile_row_size<T>;
   for (int x = 0; x < tile_nodes; ++x)
     for (int y = 0; y < tile_nodes; ++y) {
-      const int source = 4 * (x / 4) + 2 * (y / 4),
-                offset = (x % 4 * 4 + y % 4) * rows * row_size<T>;
+      constexpr int n = block_cells;
+      const int source =
+          4 * (x / n) + 2 * (y / n);  // the corner; the one above it in z is the next
+      const int offset = (x % n * n + y % n) * rows * row_size<T>;
       const T* low = gathered[source] + offset;
       const T* high = gathered[source + 1] + offset;
       T* to = local + (x * tile_nodes + y) * rows * R;
@@ -40,7 +42,7 @@ void load_region(const T* gathered, const Region& region, T* local) {
   for (int x = 0; x < region.size[0]; ++x)
     for (int y = 0; y < region.size[1]; ++y)
       for (int r = 0; r < rows; ++r) {
-        const int xy = 4 * (x + region.node[0]) + y + region.node[1];
+        const int xy = block_cells * (x + region.node[0]) + y + region.node[1];
         const T* from = gathered + (xy * rows + r) * row_size<T> + region.node[2] * C;
         T* to = local + region.tile[2] * C +
                 (((x + region.tile[0]) * tile_nodes + y + region.tile[1]) * rows + r) *

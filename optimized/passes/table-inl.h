@@ -26,10 +26,10 @@ KernelTable<T> make_table() {
              force_rows<T>,
              gather_rows<T>,
              tile_nodes * tile_nodes * tile_rows<T> * tile_row_size<T>,
-             16 * gather_rows<T> * row_size<T>};
+             rows_per_block * gather_rows<T> * row_size<T>,
+             rows_per_block * tile_rows<T> * row_size<T>};
   t.scatter = &scatter<T>;
   t.add_tile = &add_tile<T, tile_rows<T>>;
-  t.sums_size = tile_rows<T> * 16 * row_size<T>;
   t.planar = &planar<T>;
   t.node_velocities = &node_velocities<T>;
   t.node_forces = &node_forces<T>;

@@ -22,16 +22,16 @@ std::size_t BlockMap::place_of(std::uint64_t key) const {
 void BlockMap::reset(std::size_t n) {
   const std::size_t size = std::bit_ceil(2 * n + 16);
   if (entries_.size() < size) entries_.resize(size);
-  for (Entry& e : entries_) e = {nobody, -1};
+  for (Entry& e : entries_) e = {nobody, no_block};
   used_ = 0;
 }
 
-int BlockMap::find(const NodeIndex& b) const {
-  if (entries_.empty()) return -1;
+BlockNumber BlockMap::find(const NodeIndex& b) const {
+  if (entries_.empty()) return no_block;
   return entries_[place_of(key_of(b))].number;
 }
 
-int BlockMap::find_or_insert(const NodeIndex& b, int fresh) {
+BlockNumber BlockMap::find_or_insert(const NodeIndex& b, BlockNumber fresh) {
   if (2 * (used_ + 1) > entries_.size()) grow();
   Entry& e = entries_[place_of(key_of(b))];
   if (e.key == nobody) {
@@ -44,7 +44,7 @@ int BlockMap::find_or_insert(const NodeIndex& b, int fresh) {
 void BlockMap::grow() {
   std::vector<Entry> old;
   old.swap(entries_);
-  entries_.assign(std::bit_ceil(2 * old.size() + 16), Entry{nobody, -1});
+  entries_.assign(std::bit_ceil(2 * old.size() + 16), Entry{nobody, no_block});
   for (const Entry& e : old)
     if (e.key != nobody) entries_[place_of(e.key)] = e;
 }

@@ -2,6 +2,7 @@
 /// Block coordinates to numbers: a hash table with open addressing.
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "firn/types.hpp"
@@ -11,21 +12,25 @@ namespace firn::optimized {
 /// Block coordinates lie within ±2^20, so that three fit into 64 bits.
 inline constexpr std::int32_t block_limit = 1 << 20;
 
+/// Place of a block in a list of blocks, as it is stored; a std::size_t where it is used.
+using BlockNumber = std::uint32_t;
+inline constexpr BlockNumber no_block = std::numeric_limits<BlockNumber>::max();
+
 class BlockMap {
  public:
   /// Forgets everything; room for n keys without growing.
   void reset(std::size_t n);
 
-  /// The number at b, −1 if there is none.
-  int find(const NodeIndex& b) const;
+  /// The number at b, no_block if there is none.
+  BlockNumber find(const NodeIndex& b) const;
 
   /// The number at b; `fresh` takes its place if there was none.
-  int find_or_insert(const NodeIndex& b, int fresh);
+  BlockNumber find_or_insert(const NodeIndex& b, BlockNumber fresh);
 
  private:
   struct Entry {
     std::uint64_t key;
-    int number;
+    BlockNumber number;
   };
   static constexpr std::uint64_t nobody = ~std::uint64_t{0};
 

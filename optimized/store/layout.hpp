@@ -11,17 +11,32 @@ namespace firn::optimized {
 
 /// Cells along an edge of a particle block, nodes along an edge of a node block.
 inline constexpr int block_cells = 4;
+/// Nodes along an axis that a particle touches: the support of a cubic B-spline.
+inline constexpr int stencil_nodes = 4;
 /// Nodes along an edge of a block's tile: 4 cells reach 4 + 3 nodes.
-inline constexpr int tile_nodes = block_cells + 3;
+inline constexpr int tile_nodes = block_cells + stencil_nodes - 1;
 /// The z-rows of a tile are padded to a power of two.
 inline constexpr int tile_row = 8;
+/// Nodes of a node block and cells of a particle block, (4x + y)·4 + z is the number of each.
 inline constexpr int nodes_per_block = block_cells * block_cells * block_cells;
+inline constexpr int cells_per_block = nodes_per_block;
+/// Rows of a node block along z, and cells of a particle block at one x: an x-slab.
+inline constexpr int rows_per_block = block_cells * block_cells;
+inline constexpr int cells_per_slab = rows_per_block;
+/// Node blocks that a tile meets where no period cuts them: b + {0,1}³.
+inline constexpr int tile_corners = 8;
+
+/// Number of node (x, y, z) in its node block, of cell (x, y, z) in its particle block.
+constexpr int number_in_block(int x, int y, int z) {
+  return (block_cells * x + y) * block_cells + z;
+}
 
 /// A chunk holds one cache line of every particle quantity: quantity s of lane l
 /// lies at chunk[s·chunk_lanes + l]. The same on every instruction set, so that
 /// restart data may move between machines.
+inline constexpr int cache_line = 64;  ///< bytes
 template <class T>
-inline constexpr int chunk_lanes = 64 / static_cast<int>(sizeof(T));
+inline constexpr int chunk_lanes = cache_line / int{sizeof(T)};
 
 /// Particles per page, the unit in which a block's memory grows.
 inline constexpr int page_particles = 32;
@@ -71,6 +86,7 @@ struct TileShape {
   int gather_rows;    ///< rows of (v_new, u): ⌈6/C⌉
   int tile_size;      ///< values in a block's tile
   int gathered_size;  ///< values in a node block's (v_new, u)
+  int sums_size;      ///< values in a node block's sums of tiles
 };
 
 /// Constants of one material.
@@ -123,11 +139,24 @@ struct Workspace {
   std::int32_t* leavers;  ///< particles that left the block, ascending
 };
 
-/// Values per P2G record and a bound on the scratch arrays' lengths.
+/// Values per P2G record.
 inline constexpr int record_size = 28;
-inline constexpr int moments_size = tile_nodes * 4 * 8 * tile_row;
-inline constexpr int local_size = tile_nodes * tile_nodes * 8 * tile_row;
-inline constexpr int coefficients_size = 5 * tile_nodes * 3 * 8 * 4 * block_cells;
+/// Values that a node's rows hold at most: 4 of mass and momentum and 4 of force in the scatter,
+/// 8 of (v_new, u) in the gather, channels without a quantity included.
+inline constexpr int values_per_node = 8;
+/// The sums n0, s0, s1, n3 that stand for a row's 4 nodes in x while a slab is scattered
+/// (p2g-inl.h).
+inline constexpr int sums_in_x = 4;
+/// The difference form of the node values that a block gathers from (g2p-inl.h): value, first and
+/// second difference at the nodes 1 … 5 of the tile's 0 … 6 in x.
+inline constexpr int kinds_in_x = 3;
+inline constexpr int inner_planes = tile_nodes - 2;
+
+/// Bounds on the scratch arrays' lengths; coefficients may hold a row of 4 nodes for each cell.
+inline constexpr int moments_size = tile_nodes * sums_in_x * values_per_node * tile_row;
+inline constexpr int local_size = tile_nodes * tile_nodes * values_per_node * tile_row;
+inline constexpr int coefficients_size =
+    inner_planes * tile_nodes * kinds_in_x * values_per_node * stencil_nodes * block_cells;
 
 /// What stages 6 to 8 need of one node block, planar: node (x,y,z) at (4x + y)·4 + z.
 template <class T>

@@ -2,9 +2,11 @@
 /// Aligned memory that grows and never shrinks, and pages of particles.
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <memory>
 #include <new>
+#include <span>
 #include <vector>
 
 #if defined(__linux__)
@@ -15,10 +17,14 @@
 
 namespace firn::optimized {
 
-/// Memory on a cache-line boundary; from huge_page bytes on, on a boundary of those and
+/// Memory lies on a cache-line boundary; from huge_page bytes on, on a boundary of those and
 /// with a request for them. A block's particles, its tile and the tiles around it lie on
 /// dozens of pages of 4 KiB: more than the processor's address caches hold.
-inline constexpr std::size_t cache_line = 64, huge_page = std::size_t{1} << 21;
+inline constexpr std::size_t huge_page = std::size_t{1} << 21;
+
+constexpr std::size_t to_cache_lines(std::size_t n) {
+  return (n + cache_line - 1) / cache_line * cache_line;
+}
 
 struct AlignedDelete {
   std::align_val_t alignment{cache_line};
@@ -54,6 +60,10 @@ class AlignedArray {
     data_.reset();
     data_ = allocate_aligned<T>(size_);
   }
+  /// All of its memory, for another use in between: the elements lose their values.
+  std::span<std::byte> lend() const {
+    return std::as_writable_bytes(std::span<T>(data_.get(), size_));
+  }
   T* data() const { return data_.get(); }
   T& operator[](std::size_t i) const { return data_.get()[i]; }
   std::size_t bytes() const { return size_ * sizeof(T); }
@@ -63,15 +73,37 @@ class AlignedArray {
   std::size_t size_ = 0;
 };
 
+/// Typed arrays, one after the other, in memory that somebody lends.
+class Arena {
+ public:
+  explicit Arena(std::span<std::byte> memory) : memory_(memory) {}
+
+  /// n numbers, not set to anything.
+  template <class T>
+  T* take(std::size_t n) {
+    assert(n * sizeof(T) <= memory_.size());
+    T* const numbers = reinterpret_cast<T*>(memory_.data());
+    memory_ = memory_.subspan(n * sizeof(T));
+    std::uninitialized_default_construct_n(numbers, n);  // begins their life, writes nothing
+    return numbers;
+  }
+
+  /// What is left.
+  std::span<std::byte> rest() const { return memory_; }
+
+ private:
+  std::span<std::byte> memory_;
+};
+
 /// Pages of page_particles particles with `slots` values each.
 template <class T>
 class PagePool {
  public:
-  void reset(int slots) {
+  void reset(std::size_t slots) {
     slabs_.clear();
     free_.clear();
     pages_ = 0;
-    page_size_ = static_cast<std::size_t>(page_particles * slots);
+    page_size_ = page_particles * slots;
   }
 
   /// A page of zeros: undeformed particles at rest, so that lanes without a

@@ -5,9 +5,9 @@
 namespace firn::optimized {
 
 template <class T>
-int NodeStore<T>::find_or_create(const NodeIndex& c) {
-  const int fresh = static_cast<int>(blocks_.size());
-  const int n = map_.find_or_insert(c, fresh);
+BlockNumber NodeStore<T>::find_or_create(const NodeIndex& c) {
+  const auto fresh = static_cast<BlockNumber>(blocks_.size());
+  const BlockNumber n = map_.find_or_insert(c, fresh);
   if (n == fresh) blocks_.push_back({c, 0, 0});
   return n;
 }
@@ -15,44 +15,46 @@ int NodeStore<T>::find_or_create(const NodeIndex& c) {
 template <class T>
 void NodeStore<T>::rebuild(const ParticleStore<T>& particles, const TileShape& shape, bool sparse) {
   lattice_ = particles.lattice();
-  tile_size_ = static_cast<std::size_t>(shape.tile_size);
-  gathered_size_ = static_cast<std::size_t>(shape.gathered_size);
-  const std::vector<int>& active = particles.active();
-  map_.reset(2 * active.size());
+  generation_ = particles.generation();
+  tile_size_ = shape.tile_size;
+  gathered_size_ = shape.gathered_size;
+  const std::size_t active = particles.active().size();
+  map_.reset(2 * active);
   blocks_.clear(), surroundings_.clear(), regions_.clear(), found_.clear();
 
   std::vector<Overlap> along[3];
-  for (std::size_t a = 0; a < active.size(); ++a) {
-    const NodeIndex& b = particles.block(active[a]).b;
+  for (BlockNumber a = 0; a < active; ++a) {
+    const NodeIndex& b = particles.active_block(a).b;
     lattice_.overlaps(0, b.i, along[0]);
     lattice_.overlaps(1, b.j, along[1]);
     lattice_.overlaps(2, b.k, along[2]);
     Surroundings s;
-    const bool regular = along[0].size() == 2 && along[0][0].size == 4 && along[1].size() == 2 &&
-                         along[1][0].size == 4 && along[2].size() == 2 && along[2][0].size == 4;
-    if (!regular) s.first_region = static_cast<int>(regions_.size());
-    int corner = 0;
+    const bool regular = std::all_of(along, along + 3, [](const std::vector<Overlap>& overlaps) {
+      return overlaps.size() == 2 && overlaps[0].size == block_cells;
+    });
+    s.first_region = static_cast<std::uint32_t>(regions_.size());
+    std::size_t corner = 0;
     for (const Overlap& x : along[0])
       for (const Overlap& y : along[1])
         for (const Overlap& z : along[2]) {
-          const int n = find_or_create({x.block, y.block, z.block});
+          const BlockNumber n = find_or_create({x.block, y.block, z.block});
           const Region region{
               {x.tile, y.tile, z.tile}, {x.node, y.node, z.node}, {x.size, y.size, z.size}};
-          found_.push_back({n, {static_cast<int>(a), region}});
+          found_.push_back({n, {a, region}});
           if (regular)
-            s.node_block[static_cast<std::size_t>(corner++)] = n;
+            s.node_block[corner++] = n;
           else
             regions_.push_back({n, region});
         }
-    if (!regular) s.region_count = static_cast<int>(regions_.size()) - s.first_region;
+    s.region_count = static_cast<std::uint32_t>(regions_.size()) - s.first_region;
     surroundings_.push_back(s);
   }
 
   if (!sparse) fill_box();
 
   // Shares by node block, in the order of the particle blocks (sorted by position).
-  for (const auto& [n, share] : found_) ++blocks_[static_cast<std::size_t>(n)].share_count;
-  int first = 0;
+  for (const auto& [n, share] : found_) ++blocks_[n].share_count;
+  std::uint32_t first = 0;
   for (NodeBlock& block : blocks_) {
     block.first_share = first;
     first += block.share_count;
@@ -60,10 +62,10 @@ void NodeStore<T>::rebuild(const ParticleStore<T>& particles, const TileShape& s
   }
   shares_.resize(found_.size());
   for (const auto& [n, share] : found_) {
-    NodeBlock& block = blocks_[static_cast<std::size_t>(n)];
-    shares_[static_cast<std::size_t>(block.first_share + block.share_count++)] = share;
+    NodeBlock& block = blocks_[n];
+    shares_[block.first_share + block.share_count++] = share;
   }
-  tiles_.require(active.size() * tile_size_);
+  tiles_.require(active * tile_size_);
   gathered_.require(blocks_.size() * gathered_size_);
 }
 
@@ -81,10 +83,21 @@ void NodeStore<T>::fill_box() {
 }
 
 template <class T>
-NodeIndex NodeStore<T>::index(const NodeBlock& block, int place) const {
-  return {lattice_.node_index(0, block.c.i, place / 16),
-          lattice_.node_index(1, block.c.j, place / 4 % 4),
-          lattice_.node_index(2, block.c.k, place % 4)};
+auto NodeStore<T>::find(const NodeIndex& i) const -> Place {
+  NodeIndex c;
+  int x = 0, y = 0, z = 0;
+  lattice_.find_node(0, i.i, c.i, x);
+  lattice_.find_node(1, i.j, c.j, y);
+  lattice_.find_node(2, i.k, c.k, z);
+  return {map_.find(c), number_in_block(x, y, z)};
+}
+
+template <class T>
+NodeIndex NodeStore<T>::index(std::size_t n, int node) const {
+  const NodeIndex& c = blocks_[n].c;
+  return {lattice_.node_index(0, c.i, node / rows_per_block),
+          lattice_.node_index(1, c.j, node / block_cells % block_cells),
+          lattice_.node_index(2, c.k, node % block_cells)};
 }
 
 template <class T>

@@ -15,14 +15,15 @@ namespace firn::optimized {
 
 /// A particle that comes into a block: the `place`th of those that left block `from`.
 struct Arrival {
-  int from, place;
+  BlockNumber from;
+  std::uint32_t place;
 };
 
 template <class T>
 struct Block {
-  NodeIndex b;      ///< holds cells 4b … 4b+3
-  int count = 0;    ///< particles; 0 = the entry is not in use
-  T limit[3] = {};  ///< its width in cells along each axis
+  NodeIndex b;            ///< holds cells 4b … 4b+3
+  std::size_t count = 0;  ///< particles; 0 = the entry is not in use
+  T limit[3] = {};        ///< its width in cells along each axis
   std::vector<T*> pages;
   std::vector<NodeIndex> leavers;  ///< where those who left go
   std::vector<T> luggage;          ///< their values, `slots` each
@@ -44,60 +45,71 @@ class ParticleStore {
   void store_restart(std::span<std::byte> bytes) const;
   void load_restart(std::span<const std::byte> bytes);
 
-  int slots() const { return slots_; }
+  std::size_t slots() const { return slots_; }
   std::size_t size() const { return size_; }
   const Lattice& lattice() const { return lattice_; }
 
   /// Numbers of the blocks that hold particles, sorted by position.
-  const std::vector<int>& active() const { return active_; }
-  Block<T>& block(int number) { return blocks_[static_cast<std::size_t>(number)]; }
-  const Block<T>& block(int number) const { return blocks_[static_cast<std::size_t>(number)]; }
-  int largest_block() const { return largest_; }
+  const std::vector<BlockNumber>& active() const { return active_; }
+  Block<T>& block(BlockNumber number) { return blocks_[number]; }
+  const Block<T>& block(BlockNumber number) const { return blocks_[number]; }
+  /// The block in place `a` of active().
+  Block<T>& active_block(std::size_t a) { return blocks_[active_[a]]; }
+  const Block<T>& active_block(std::size_t a) const { return blocks_[active_[a]]; }
+  std::size_t largest_block() const { return largest_; }
+  /// Another number whenever active() has changed.
+  std::uint64_t generation() const { return generation_; }
   BlockView<T> view(const Block<T>& block) const;
 
   /// Quantity `slot` of particle i of a block.
-  T& value(const Block<T>& block, int i, int slot) const {
-    constexpr unsigned n = chunk_lanes<T>;
-    const auto u = static_cast<unsigned>(i);  // so that / and % are a shift and a mask
-    const unsigned chunk = u % page_particles / n * static_cast<unsigned>(slots_);
-    return block.pages[u / page_particles][(chunk + static_cast<unsigned>(slot)) * n + u % n];
+  T& value(const Block<T>& block, std::size_t i, std::size_t slot) const {
+    constexpr std::size_t n = chunk_lanes<T>;
+    const std::size_t chunk = i % page_particles / n * slots_;
+    return block.pages[i / page_particles][(chunk + slot) * n + i % n];
   }
-  std::size_t index(const Block<T>& block, int i) const;
-  std::int32_t material(const Block<T>& block, int i) const;
+  /// The vector in slots `slot` … `slot` + 2.
+  Vec3 vector(const Block<T>& block, std::size_t i, std::size_t slot) const {
+    return Vec3(static_cast<double>(value(block, i, slot)),
+                static_cast<double>(value(block, i, slot + 1)),
+                static_cast<double>(value(block, i, slot + 2)));
+  }
+  /// I plus what slots `slot` … `slot` + 8 hold, row by row.
+  Mat3 identity_plus(const Block<T>& block, std::size_t i, std::size_t slot) const;
+  /// Place in the caller's order.
+  std::size_t index(const Block<T>& block, std::size_t i) const;
+  std::int32_t material(const Block<T>& block, std::size_t i) const;
 
   /// Position in units of h relative to node 0, and in the world.
-  double grid_position(const Block<T>& block, int i, int axis) const;
-  Vec3 position(const Block<T>& block, int i) const;
+  double grid_position(const Block<T>& block, std::size_t i, int axis) const;
+  Vec3 position(const Block<T>& block, std::size_t i) const;
 
   /// Sorts a block's particles by cell; keeps the order within a cell.
   void sort(Block<T>& block, AlignedArray<T>& scratch) const;
 
-  /// Takes `n` particles (ascending places) out of a block; the holes are filled
-  /// from its tail. May run for several blocks at once. Returns the first that
-  /// would leave the domain, −1 if none.
-  int take_out(Block<T>& block, const std::int32_t* places, int n) const;
+  /// Takes the particles in these places (ascending) out of a block; the holes are filled
+  /// from its tail. May run for several blocks at once. Returns the place of the first that
+  /// would leave the domain, `nobody` if none; then nobody moves.
+  static constexpr int nobody = -1;
+  int take_out(Block<T>& block, std::span<const std::int32_t> places) const;
 
-  /// Puts everybody who was taken out where he belongs. True if the set of blocks
-  /// with particles changed.
-  bool put_in(int threads);
+  /// Puts every particle that was taken out where it belongs.
+  void put_in(int threads);
 
   std::size_t bytes() const;
 
  private:
-  int find_or_create(const NodeIndex& b);
+  BlockNumber find_or_create(const NodeIndex& b);
   void clear();
-  void reserve(Block<T>& block, int count);
+  void reserve(Block<T>& block, std::size_t count);
   void append(Block<T>& block, const T* values);
-  std::size_t restart_row() const;
   void refresh_active();
 
   Lattice lattice_;
-  int slots_ = slots_common;
-  std::size_t size_ = 0;
-  int largest_ = 0;
+  std::size_t slots_ = slots_common;
+  std::size_t size_ = 0, largest_ = 0;
+  std::uint64_t generation_ = 0;
   std::vector<Block<T>> blocks_;
-  std::vector<int> unused_;
-  std::vector<int> active_;
+  std::vector<BlockNumber> unused_, active_;
   BlockMap map_;
   PagePool<T> pool_;
   std::vector<std::int64_t> id_;  ///< in the caller's order

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <omp.h>
 #include <vector>
 
-#include "optimized/passes/kernel_table.hpp"
 #include "optimized/store/memory.hpp"
 
 namespace firn::optimized {
@@ -13,7 +13,13 @@ namespace firn::optimized {
 /// How many of n blocks a thread takes at a time: up to 16 neighbours, since each block asks for
 /// the next one's particles in advance and shares nodes with it, but six turns per thread at least,
 /// so that a thread which is held up holds up nobody.
-inline int blocks_per_turn(int n, int threads) { return std::clamp(n / (6 * threads), 1, 16); }
+inline std::size_t blocks_per_turn(std::size_t n, std::size_t threads) {
+  constexpr std::size_t most = 16, turns = 6;
+  return std::clamp(n / (turns * threads), std::size_t{1}, most);
+}
+
+/// Number of the calling thread among those of the innermost parallel loop.
+inline std::size_t this_thread() { return static_cast<std::size_t>(omp_get_thread_num()); }
 
 template <class T>
 struct ThreadMemory {
@@ -22,30 +28,33 @@ struct ThreadMemory {
   AlignedArray<std::int32_t> leavers;
   AlignedArray<NodeFields<T>> node;
   AlignedArray<T> sums;
-  std::vector<int> colliders;
+  std::vector<std::size_t> colliders;
   Workspace<T> work{};
 
   /// Room for blocks of up to `particles`.
-  void require(int particles, const KernelTable<T>& kernels);
-  /// Room for so many values in `numbers` alone; they lose what they hold.
-  void require_numbers(std::size_t n, std::size_t spare);
+  void require(std::size_t particles, const TileShape& shape);
+  /// Room for so many bytes in `numbers` alone, and `spare` more where it has to grow.
+  void require_bytes(std::size_t n, std::size_t spare) {
+    require_numbers(n / sizeof(T), spare / sizeof(T));
+  }
   std::size_t bytes() const;
 
  private:
+  void require_numbers(std::size_t n, std::size_t spare);
   void lay_out_workspace();
-  /// Values for records; a multiple of 64 keeps the rest aligned.
-  std::size_t records_size() const { return (cells.bytes() + 63) / 64 * 64 * record_size; }
+  /// Values for records; whole cache lines keep the rest aligned.
+  std::size_t records_size() const { return to_cache_lines(cells.bytes()) * record_size; }
 };
 
 template <class T>
-void ThreadMemory<T>::require(int particles, const KernelTable<T>& kernels) {
-  const std::size_t n = static_cast<std::size_t>(particles) + 2 * page_particles;
+void ThreadMemory<T>::require(std::size_t particles, const TileShape& shape) {
+  const std::size_t n = particles + 2 * page_particles;
   if (n <= cells.bytes()) return;
   cells.require(n);
   leavers.require(cells.bytes(), 0);
   node.require(1, 0);
-  sums.require(static_cast<std::size_t>(kernels.sums_size), 0);
-  std::fill_n(sums.data(), kernels.sums_size, T(0));  // and planar() leaves zeros
+  sums.require(shape.sums_size, 0);
+  std::fill_n(sums.data(), shape.sums_size, T(0));  // and planar() leaves zeros
   require_numbers(records_size() + moments_size + local_size + coefficients_size, 0);
   lay_out_workspace();
 }

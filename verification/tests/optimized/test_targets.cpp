@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "firn/error.hpp"
-#include "optimized/drivers/target.hpp"
 #include "optimized/optimized_solver.hpp"
+#include "optimized/target.hpp"
 #include "solvers/solvers.hpp"
 #include "verification/check/check.hpp"
 #include "verification/oracles/processor.hpp"

@@ -1,4 +1,4 @@
-#include "optimized/drivers/target.hpp"
+#include "optimized/target.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -57,8 +57,8 @@ void select_target(const std::string& name) {
 }
 
 std::vector<std::string> dispatched_targets() {
-  return {float_kernels().target, double_kernels().target, setup_kernels<float>().target,
-          setup_kernels<double>().target};
+  return {float_kernels().target, double_kernels().target, setup_kernels_float().target,
+          setup_kernels_double().target};
 }
 
 void select_target_from_environment() {

@@ -1,4 +1,4 @@
-#include "optimized/drivers/skips.hpp"
+#include "optimized/skips.hpp"
 
 #include <cstdlib>
 
