@@ -79,6 +79,7 @@ void integration(Simulation<T>& sim) {
 
 template <class T>
 void deformation(Simulation<T>& sim) {
+  refresh_stress(sim);  // for the hardened stiffness of particles that were only just loaded
   if (sim.entered == Stage::deformation) pack_fields(sim);
   update_particles(sim, pass_deformation, false);
   sim.stress_stale = false;
