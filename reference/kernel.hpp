@@ -15,6 +15,9 @@
 /// roundoff everywhere.
 
 #include <cmath>
+#include <cstdint>
+
+#include "firn/scene.hpp"
 
 namespace firn::reference {
 
@@ -60,5 +63,37 @@ inline void kernel_row(double s, double (&N)[4], double (&dN)[4]) {
   dN[2] = -dN_inner(1 - s);
   dN[3] = -dN_outer(s);
 }
+
+/// The spline on the grid of a scene: all that the rest of the reference knows of its order.
+class Kernel {
+ public:
+  Kernel() = default;
+  explicit Kernel(const GridSettings& grid) : h_(grid.spacing), origin_(grid.origin) {}
+
+  static constexpr int width = 4;  ///< nodes along an axis within reach of a point
+
+  /// The weights of a point along one axis.
+  struct Row {
+    std::int32_t first;  ///< index of the first node
+    double N[width];     ///< N((x_p − x_i)/h)  [1]
+    double dN[width];    ///< derivative with respect to x_p, N'((x_p − x_i)/h)/h  [1/m]
+  };
+
+  /// For the coordinate x_p [m] along `axis`. The first of the four nodes is the one before the
+  /// cell: floor((x_p − origin)/h) − 1. Floor, not truncation: coordinates may be negative.
+  Row row(int axis, double x_p) const {
+    const double X = (x_p - origin_[axis]) / h_;
+    const double cell = std::floor(X);
+    Row row;
+    row.first = static_cast<std::int32_t>(cell) - 1;
+    kernel_row(X - cell, row.N, row.dN);
+    for (double& dN : row.dN) dN /= h_;
+    return row;
+  }
+
+ private:
+  double h_ = 1;
+  Vec3 origin_ = Vec3::Zero();
+};
 
 }  // namespace firn::reference

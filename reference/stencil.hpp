@@ -4,11 +4,11 @@
 
 #include <array>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "firn/scene.hpp"
 #include "firn/state.hpp"
+#include "reference/kernel.hpp"
 
 namespace firn::reference {
 
@@ -16,31 +16,7 @@ namespace firn::reference {
 /// from the grid's origin along each axis. False for NaN.
 bool inside_domain(const GridSettings& grid, const Vec3& x);
 
-/// A number for every point (i,j,k) of an unbounded lattice that was asked for;
-/// −1 for points seen for the first time. The points are kept in hashed blocks
-/// of 4×4×4, because a scene may be spread out and yet locally dense.
-class SparseNumbers {
- public:
-  /// From one k to the next the numbers are adjacent in memory, within a block:
-  /// up to the next multiple of 4.
-  std::int32_t& operator[](const NodeIndex& n);
-  void clear();
-
- private:
-  struct Hash {
-    std::size_t operator()(const NodeIndex& block) const;
-  };
-  using Block = std::array<std::int32_t, 64>;
-  /// Neighbours are asked for one after the other: where the blocks used last are.
-  struct Recent {
-    NodeIndex block;
-    Block* numbers = nullptr;
-  };
-  std::unordered_map<NodeIndex, Block, Hash> blocks_;
-  std::array<Recent, 64> recent_;
-};
-
-/// The 4×4×4 nodes around every particle.
+/// The nodes around every particle: 4×4×4 with cubic splines.
 class Stencils {
  public:
   /// Finds the nodes within reach of the particles, sorted by (i,j,k), and the
@@ -49,53 +25,53 @@ class Stencils {
   void build(const Scene& scene, const Particles& particles, Stage stage,
              std::vector<NodeIndex>& node);
 
-  /// Memory held, without the hash tables [B].
+  /// Memory held [B].
   double bytes() const;
 
-  /// Calls visit(i, w_ip) for each of the 64 nodes i around particle p; w_ip =
+  /// Calls visit(i, w_ip) for each node i around particle p; w_ip =
   /// N((x_p − x_i)/h) N((y_p − y_i)/h) N((z_p − z_i)/h).
   template <class Visit>
   void for_each_node(std::size_t p, Visit&& visit) const {
-    const Weights& w = weights_[p];
-    const std::int32_t* i = nodes_of_cell_[static_cast<std::size_t>(w.cell)].data();
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) {
-        const double NN = w.N[0][a] * w.N[1][b];
-        for (int c = 0; c < 4; ++c, ++i) visit(static_cast<std::size_t>(*i), NN * w.N[2][c]);
+    const auto& [x, y, z] = stencils_[p].row;
+    const std::int32_t* i = nodes_around(p);
+    for (int a = 0; a < kernel_.width; ++a)
+      for (int b = 0; b < kernel_.width; ++b) {
+        const double NN = x.N[a] * y.N[b];
+        for (int c = 0; c < kernel_.width; ++c, ++i)
+          visit(static_cast<std::size_t>(*i), NN * z.N[c]);
       }
   }
 
   /// Calls visit(i, w_ip, ∇w_ip); the gradient is with respect to x_p, in 1/m.
   template <class Visit>
   void for_each_node_with_gradient(std::size_t p, Visit&& visit) const {
-    const Weights& w = weights_[p];
-    const std::int32_t* i = nodes_of_cell_[static_cast<std::size_t>(w.cell)].data();
-    for (int a = 0; a < 4; ++a)
-      for (int b = 0; b < 4; ++b) {
-        const double NN = w.N[0][a] * w.N[1][b];
-        const double dNN = w.dN[0][a] * w.N[1][b];
-        const double NdN = w.N[0][a] * w.dN[1][b];
-        for (int c = 0; c < 4; ++c, ++i)
-          visit(static_cast<std::size_t>(*i), NN * w.N[2][c],
-                Vec3(dNN * w.N[2][c], NdN * w.N[2][c], NN * w.dN[2][c]));
+    const auto& [x, y, z] = stencils_[p].row;
+    const std::int32_t* i = nodes_around(p);
+    for (int a = 0; a < kernel_.width; ++a)
+      for (int b = 0; b < kernel_.width; ++b) {
+        const double NN = x.N[a] * y.N[b];
+        const double dNN = x.dN[a] * y.N[b];
+        const double NdN = x.N[a] * y.dN[b];
+        for (int c = 0; c < kernel_.width; ++c, ++i)
+          visit(static_cast<std::size_t>(*i), NN * z.N[c],
+                Vec3(dNN * z.N[c], NdN * z.N[c], NN * z.dN[c]));
       }
   }
 
  private:
-  struct Weights {
-    double N[3][4];     ///< along each axis
-    double dN[3][4];    ///< derivative with respect to x_p: N'/h [1/m]
-    std::int32_t cell;  ///< particles of the same cell touch the same nodes
+  struct Stencil {
+    std::array<Kernel::Row, 3> row;  ///< weights along x, y, z
+    std::size_t cube;                ///< number of its cube of nodes, one for each occupied cell
   };
 
-  void weigh(const Scene& scene, const Particles& particles, Stage stage, std::size_t p);
-  void number_nodes(std::vector<NodeIndex>& node);
+  const std::int32_t* nodes_around(std::size_t p) const {
+    const auto width = static_cast<std::size_t>(kernel_.width);
+    return &places_[stencils_[p].cube * width * width * width];
+  }
 
-  std::array<int, 3> period_{};  ///< nodes along each axis, 0 = open
-  std::vector<Weights> weights_;
-  std::vector<NodeIndex> first_node_of_cell_;
-  std::vector<std::array<std::int32_t, 64>> nodes_of_cell_;
-  SparseNumbers cell_number_, node_number_;
+  Kernel kernel_;
+  std::vector<Stencil> stencils_;     ///< one per particle
+  std::vector<std::int32_t> places_;  ///< where the nodes of each cube stand in the list of nodes
 };
 
 }  // namespace firn::reference
