@@ -6,9 +6,42 @@
 #include <cmath>
 
 #include "reference/exp.hpp"
+#include "reference/failure.hpp"
 #include "reference/polar.hpp"
 
 namespace firn::reference {
+
+double energy_density(const Material& material, const Mat3& F_E, const Mat3& F_P) {
+  return energy_density(lame(material, F_P), F_E);
+}
+
+Mat3 kirchhoff_stress(const Material& material, const Mat3& F_E, const Mat3& F_P) {
+  return kirchhoff_stress(lame(material, F_P), F_E);
+}
+
+std::string why_not_finite(const Material& material, const Mat3& F_P) {
+  const Lame hardened = lame(material, F_P);
+  if (finite(hardened.mu) && finite(hardened.lambda)) return "stress is not finite";
+  return "hardening exp(xi (1 - J_P)) is not finite, J_P is " + to_text(F_P.determinant());
+}
+
+double sound_speed(const Material& material, const Mat3& F_P, double rho) {
+  const Lame hardened = lame(material, F_P);
+  return std::sqrt((hardened.lambda + 2 * hardened.mu) / rho);
+}
+
+void return_map(const Material& material, const Mat3& F_E_hat, Mat3& F_E, Mat3& F_P) {
+  const Svd usv = svd(F_E_hat);
+  Vec3 sigma;
+  for (int k = 0; k < 3; ++k)
+    sigma[k] = std::clamp(usv.sigma[k], material.smallest_elastic_stretch(),
+                          material.largest_elastic_stretch());
+  F_E = F_E_hat;
+  if (sigma == usv.sigma) return;
+  const Mat3 F = F_E_hat * F_P;
+  F_E = usv.U * sigma.asDiagonal() * usv.V.transpose();
+  F_P = usv.V * sigma.cwiseInverse().asDiagonal() * usv.U.transpose() * F;
+}
 
 double hardening(const Material& material, const Mat3& F_P) {
   const double J_P = F_P.determinant();
@@ -81,6 +114,13 @@ StressDifferential::StressDifferential(const Lame& lame, const Mat3& F_E)
                      inverse_of_sum(sigma[0], sigma[2], sigma[0]),
                      inverse_of_sum(sigma[0], sigma[1], sigma[0]));
   K_inverse_ = usv.V * inverse.asDiagonal() * usv.V.transpose();
+}
+
+StressDifferential::StressDifferential(const Material& material, const Mat3& F_E, const Mat3& F_P)
+    : StressDifferential(lame(material, F_P), F_E) {}
+
+bool StressDifferential::is_finite() const {
+  return finite(lame_.mu) && finite(lame_.lambda) && finite(F_);
 }
 
 /// From F = R S:  RᵀdF = (RᵀdR) S + dS.  W = RᵀdR is skew because RᵀR = I, and dS

@@ -24,9 +24,9 @@ Diagnostics measure(const Scene& scene, const State& state) {
     d.max_speed = std::max(d.max_speed, v_p.norm());
 
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
-    const Lame hardened = lame(material, particles.F_P[p]);
-    const double J_E = particles.F_E[p].determinant();
-    d.elastic_energy += particles.V_0[p] * energy_density(hardened, particles.F_E[p]);
+    const Mat3& F_E = particles.F_E[p];
+    const double J_E = F_E.determinant();
+    d.elastic_energy += particles.V_0[p] * energy_density(material, F_E, particles.F_P[p]);
     d.min_J_E = p == 0 ? J_E : std::min(d.min_J_E, J_E);
     d.max_J_E = p == 0 ? J_E : std::max(d.max_J_E, J_E);
   }

@@ -10,12 +10,12 @@ ImplicitSystem::ImplicitSystem(const Scene& scene, const Particles& particles,
   particles_.reserve(particles.size());
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
-    const Lame hardened = lame(material, particles.F_P[p]);
     const Mat3& F_E = particles.F_E[p];
     const double V_p0 = particles.V_0[p];
-    if (!finite(hardened.mu) || !finite(hardened.lambda) || !finite(F_E) || !finite(V_p0))
+    const StressDifferential dP(material, F_E, particles.F_P[p]);
+    if (!dP.is_finite() || !finite(V_p0))
       fail_at_particle(Stage::integration, p, "stiffness is not finite");
-    particles_.push_back({V_p0, F_E, StressDifferential(hardened, F_E)});
+    particles_.push_back({V_p0, F_E, dP});
   }
 }
 

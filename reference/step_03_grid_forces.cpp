@@ -1,5 +1,3 @@
-#include <Eigen/LU>
-
 #include "reference/constitutive.hpp"
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
@@ -17,13 +15,9 @@ void grid_forces(const Scene& scene, const Particles& particles, const Stencils&
   grid.f.assign(grid.size(), Vec3::Zero());
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
-    const Lame hardened = lame(material, particles.F_P[p]);
-    if (!finite(hardened.mu) || !finite(hardened.lambda))
-      fail_at_particle(Stage::grid_forces, p,
-                       "hardening exp(xi (1 - J_P)) is not finite, J_P is " +
-                           to_text(particles.F_P[p].determinant()));
-    const Mat3 V_tau = particles.V_0[p] * kirchhoff_stress(hardened, particles.F_E[p]);
-    if (!finite(V_tau)) fail_at_particle(Stage::grid_forces, p, "stress is not finite");
+    const Mat3& F_P = particles.F_P[p];
+    const Mat3 V_tau = particles.V_0[p] * kirchhoff_stress(material, particles.F_E[p], F_P);
+    if (!finite(V_tau)) fail_at_particle(Stage::grid_forces, p, why_not_finite(material, F_P));
     stencils.for_each_node_with_gradient(
         p, [&](std::size_t i, double, const Vec3& grad_w_ip) { grid.f[i] -= V_tau * grad_w_ip; });
   }

@@ -1,7 +1,6 @@
 #include "reference/time_step.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "reference/constitutive.hpp"
 #include "reference/failure.hpp"
@@ -24,10 +23,9 @@ double fastest_sound(const Scene& scene, const Particles& particles) {
   double fastest = 0;
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
-    const Lame hardened = lame(material, particles.F_P[p]);
     const double V_p0 = particles.V_0[p];
     const double rho_p = V_p0 > 0 ? particles.m[p] / V_p0 : material.density;
-    const double c_p = std::sqrt((hardened.lambda + 2 * hardened.mu) / rho_p);
+    const double c_p = sound_speed(material, particles.F_P[p], rho_p);
     if (!finite(c_p)) fail_at_particle(Stage::grid_forces, p, "sound speed is not finite");
     fastest = std::max(fastest, c_p);
   }
