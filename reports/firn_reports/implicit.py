@@ -3,10 +3,11 @@
 import math
 from collections.abc import Sequence
 
-from .accuracy import draw_front, reaching
+from .accuracy import draw_front
+from .accuracy_tables import reaching
+from .drawing import left_out, styles, who
 from .page import Code, Figure, Table
 from .results import Case, Results
-from .results_figures import left_out, styles, who
 from .results_tables import of_cases
 from .style import MUTED, legend, log_axis, panel, plain, to_svg
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 
-from . import accuracy, limits, results_figures as figures, results_tables as tables
+from . import accuracy_tables, highlights, limits, roofline, speed_figures
 from .page import number
 from .results import Results
 
@@ -62,10 +62,10 @@ def span(values: Sequence[float], digits: int) -> str:
 def facts(results: Results) -> list[tuple[str, str]]:
     """(what, figure) of everything else that the summary quotes."""
     found = []
-    if share := figures.best_share_of_peak(results):
+    if share := roofline.best_share_of_peak(results):
         found.append(
             (
-                f"share of the FMA peak of {figures.widest(results)}, {share[1]}, at best, what a plain step needs",
+                f"share of the FMA peak of {roofline.widest(results)}, {share[1]}, at best, what a plain step needs",
                 f"{number(100 * share[0], 2)} %",
             )
         )
@@ -89,7 +89,11 @@ def facts(results: Results) -> list[tuple[str, str]]:
             for c in results.suite("scaling")
             if c["threads"] == threads and c.value("efficiency") is not None
         ]
-        copies = [c.median(figures.COPIES) for c in mine if c.value(figures.COPIES) is not None]
+        copies = [
+            c.median(speed_figures.COPIES)
+            for c in mine
+            if c.value(speed_figures.COPIES) is not None
+        ]
         beside = f"; {span(copies, 3)}" if copies else ""
         found.append(
             (
@@ -97,7 +101,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
                 span([c.median("efficiency") for c in mine], 3) + beside,
             )
         )
-    if order := accuracy.best_order(results):
+    if order := accuracy_tables.best_order(results):
         found.append((f"observed order, {order[1]}", number(order[0], 3)))
     if worst := limits.worst_limit(results):
         found.append(
@@ -120,7 +124,7 @@ def facts(results: Results) -> list[tuple[str, str]]:
         found.append(
             ("cases quoted, of all that were measured", f"{quoted} of {len(results.cases)}")
         )
-    if (noise := tables.noise(results)) is not None:
+    if (noise := highlights.noise(results)) is not None:
         found.append(
             (
                 "noise: spread of a fixed loop between the cases",

@@ -1,14 +1,13 @@
 """The tables of a results page, and the few numbers that its summary quotes."""
 
-import re
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from . import results_figures as figures
+from . import roofline
 from .baseline import Change
-from .page import Code, Mark, Table, number
+from .page import Code, Mark, Table
 from .results import Case, Results
 
 KIND = {
@@ -89,7 +88,7 @@ def roofline_points(results: Results) -> list[Table]:
             100 * share,
             Code(c.command),
         ]
-        for c, rate, intensity, share in figures.roofline_points(results)
+        for c, rate, intensity, share in roofline.roofline_points(results)
     ]
     return (
         [
@@ -114,87 +113,6 @@ def roofline_points(results: Results) -> list[Table]:
         if rows
         else []
     )
-
-
-def worst_scaling(results: Results) -> tuple[float, int, str, Case] | None:
-    """(speed-up, threads, who, case) where more threads bring least, from interleaved runs."""
-    rows = [
-        (
-            c.value("efficiency") * c["threads"],
-            c["threads"],
-            f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])} particles",
-            c,
-        )
-        for c in results.suite("scaling")
-        if c.value("efficiency") is not None
-    ]
-    return min(rows, key=lambda row: row[0] / row[1], default=None)
-
-
-def size_growth(results: Results) -> tuple[float, str, Case] | None:
-    """(cost per particle of many over that of few, who, case) where it grows most.
-
-    From interleaved runs.
-    """
-    rows = [
-        (c.median("growth"), f"{figures.who(c)}, {c['deformation']}, {number(c['particles'])}", c)
-        for c in results.suite("scaling")
-        if c.value("growth") is not None
-    ]
-    return max(rows, key=lambda row: row[0], default=None)
-
-
-def costliest_skip(results: Results) -> tuple[float, str, str] | None:
-    """(cost, skip, situation) of the skip that costs most, None if all cost less than 2 %."""
-    # A cost that the quartiles of the repetitions do not tell from none is none.
-    rows = [
-        (-c.median("saved"), c["skip"], c["situation"])
-        for c in results.suite("skips")
-        if c.quotable and c.quantities["saved"].quartiles[1] <= 0
-    ]
-    worst = max(rows, default=None)
-    return worst if worst and worst[0] > 0.02 else None
-
-
-def worst_float(results: Results) -> tuple[float, str] | None:
-    """(error, test and solver) of the largest loss to single precision."""
-    rows = [
-        (c.median("error"), f"{c['test']}, {c['solver']}")
-        for c in results.suite("float")
-        if c.quotable and c["precision"] == "float"
-    ]
-    return max(rows, default=None)
-
-
-def busiest(results: Results) -> tuple[float, int] | None:
-    """(load average, processors) of the timing session that began under the highest load.
-
-    None unless others were using the machine.
-    """
-    loads = [
-        (float(match[0]), int(s.get("processors", 1)))
-        for s in results.sessions
-        if "cases_asked_for" in s
-        if (match := re.match(r"[0-9.]+", str(s.get("load_average", ""))))
-    ]
-    worst = max(loads, default=None)
-    return worst if worst and worst[0] > 0.5 * worst[1] else None
-
-
-def loop_spread(case: Case) -> str:
-    """(slowest − fastest) / median of the fixed loop around one case."""
-    loop = case.calibration
-    return f"{100 * (loop.max() - loop.min()) / np.median(loop):.2g} %" if len(loop) else ""
-
-
-def noise(results: Results) -> float | None:
-    """Distance of the quartiles of the fixed loop over all cases, relative to its median."""
-    loops = [c.calibration for c in results.cases if len(c.calibration)]
-    if not loops:
-        return None
-    everything = np.concatenate(loops)
-    low, high = np.percentile(everything, [25, 75])
-    return float((high - low) / np.median(everything))
 
 
 def changes(changes: list[Change], broken: list[Case]) -> list[Table]:
@@ -291,102 +209,3 @@ def mutants(results: Results) -> list[Table]:
             command=results.mutants.get("command", ""),
         )
     ]
-
-
-def sessions(results: Results) -> Table:
-    """Facts of every session; what is as in the first one is not repeated."""
-
-    def cell(i: int, key: str) -> str | None:
-        value = results.sessions[i].get(key)
-        value = None if value is None else str(value)
-        return (
-            "″" if i and value is not None and value == str(results.sessions[0].get(key)) else value
-        )
-
-    keys = list(dict.fromkeys(key for s in results.sessions for key in s))
-    return Table(
-        "machine",
-        "Machine and build",
-        ["fact"] + [f"session {i}" for i in range(len(results.sessions))],
-        [
-            [key.replace("_", " ")] + [cell(i, key) for i in range(len(results.sessions))]
-            for key in keys
-        ],
-        "A session is one run of firn bench or firn verify that added to the file; ″: as in session 0.",
-        "firn info",
-        open=True,
-    )
-
-
-def all_cases(results: Results) -> Table:
-    """Every case with its status and times."""
-    return Table(
-        "cases",
-        "Every case",
-        [
-            "suite",
-            "case",
-            "status",
-            "remark",
-            "session",
-            "took [s]",
-            "processor time [s]",
-            "fixed loop varied by",
-            "measure again",
-        ],
-        [
-            [
-                c.suite,
-                c.name,
-                mark(c.status),
-                c.message,
-                c.session,
-                c.wall_seconds,
-                c.processor_seconds,
-                loop_spread(c),
-                Code(c.command),
-            ]
-            for c in results.cases
-        ],
-        command="firn bench",
-    )
-
-
-def noisy(results: Results) -> list[Table]:
-    """The cases that are too noisy to quote."""
-    rows = [
-        [c.suite, c.name, c.message, loop_spread(c), c.wall_seconds, Code(c.command)]
-        for c in results.cases
-        if c.status == "noisy"
-    ]
-    return (
-        [
-            Table(
-                "noisy",
-                "Too noisy to quote",
-                ["suite", "case", "why", "fixed loop varied by", "took [s]", "measure again"],
-                rows,
-                "Their repetitions are in the file and under “Every repetition”; their medians are not quoted anywhere.",
-                "firn bench",
-            )
-        ]
-        if rows
-        else []
-    )
-
-
-def repetitions(results: Results) -> Table:
-    """Every measured number of the file."""
-    rows = [
-        [c.suite, c.name, key, q.units, i, float(v)]
-        for c in results.cases
-        for key, q in c.quantities.items()
-        for i, v in enumerate(q.values)
-    ]
-    return Table(
-        "repetitions",
-        "Every repetition",
-        ["suite", "case", "quantity", "units", "repetition", "value"],
-        rows,
-        command="firn bench",
-    )

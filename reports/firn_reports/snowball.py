@@ -4,7 +4,6 @@ NumPy only. Orthographic camera; the particles are splatted far to near, the
 analytic colliders are sphere-traced through their signed distances.
 """
 
-import copy
 import io
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,8 +13,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap, LogNorm
 from matplotlib.figure import Figure
 
-from .colliders import collider_distance, unit
+from .camera import Camera
+from .colliders import unit
 from .kinds import Array, Indices, Json
+from .tracing import trace_colliders
 from .trajectory import Frame
 
 # Compacted snow is blue, untouched snow white, loosened snow amber.
@@ -27,63 +28,6 @@ SKY_TOP, SKY_BOTTOM = np.array([0.10, 0.14, 0.20]), np.array([0.27, 0.34, 0.43])
 SOLID = np.array([0.42, 0.47, 0.53])
 LIGHT = unit([-0.38, -0.35, 0.85])
 SUPERSAMPLE = 2
-
-
-class Camera:
-    """Looks along the thinner horizontal direction, a little from above and from the side."""
-
-    def __init__(self, scene: Json, clouds: Sequence[Array], width: int, height: int) -> None:
-        up = -np.asarray(scene.get("gravity", [0, 0, -1]), float)
-        self.up = unit(up) if np.linalg.norm(up) > 0 else np.array([0.0, 0.0, 1.0])
-        low = np.min([c.min(axis=0) for c in clouds], axis=0)
-        high = np.max([c.max(axis=0) for c in clouds], axis=0)
-        # The widest direction across the gravity becomes the picture's horizontal.
-        flat = (high - low) * (np.abs(self.up) < 0.7)
-        side = np.zeros(3)
-        side[int(np.argmax(flat))] = 1
-        side = unit(side - self.up * (side @ self.up))
-        away = np.cross(self.up, side)
-        azimuth, elevation = np.radians(18), np.radians(13)
-        look = np.cos(azimuth) * away - np.sin(azimuth) * side
-        self.look = unit(np.cos(elevation) * look - np.sin(elevation) * self.up)
-        self.right = unit(np.cross(self.look, self.up))
-        self.screen_up = np.cross(self.right, self.look)
-        corners = np.concatenate(clouds)
-        u, v = corners @ self.right, corners @ self.screen_up
-        margin = 1.16
-        self.pixel = margin * max(np.ptp(u) / width, np.ptp(v) / height, 1e-9)  # [m]
-        self.center = np.array(
-            [(u.max() + u.min()) / 2, (v.max() + v.min()) / 2 - 0.02 * np.ptp(v)]
-        )
-        self.near = (corners @ self.look).min() - 10 * self.pixel * width
-        self.middle = (corners @ self.look).mean() - self.near
-        self.width, self.height = width, height
-
-    def coarse(self, factor: int) -> "Camera":
-        """The same view with `factor` times larger pixels."""
-        other = copy.copy(self)
-        other.width, other.height, other.pixel = (
-            self.width // factor,
-            self.height // factor,
-            self.pixel * factor,
-        )
-        return other
-
-    def project(self, x: Array) -> tuple[Array, Array, Array]:
-        """Pixel coordinates (column, row) and depth [m] of points."""
-        column = (x @ self.right - self.center[0]) / self.pixel + self.width / 2
-        row = self.height / 2 - (x @ self.screen_up - self.center[1]) / self.pixel
-        return column, row, x @ self.look - self.near
-
-    def rays(self) -> Array:
-        """Origin of the ray through each pixel, on the near plane: (height, width, 3)."""
-        u = (np.arange(self.width) + 0.5 - self.width / 2) * self.pixel + self.center[0]
-        v = (self.height / 2 - np.arange(self.height) - 0.5) * self.pixel + self.center[1]
-        return (
-            u[None, :, None] * self.right
-            + v[:, None, None] * self.screen_up
-            + self.near * self.look
-        )
 
 
 def blur(image: Array, radius: int) -> Array:
@@ -130,68 +74,6 @@ def splat(camera: Camera, frame: Frame) -> tuple[Array, Indices, int]:
             index[pixel[nearer]] = order[inside][nearer]
     shape = (camera.height, camera.width)
     return depth.reshape(shape), index.reshape(shape), max(int(radius), 1)
-
-
-def trace_colliders(camera: Camera, scene: Json, t: float) -> tuple[Array, Array, Array]:
-    """Depth [m], normal and point of the first collider surface behind each pixel."""
-    shown = [c for c in scene.get("collider", []) if _visible(c, camera)]
-    origin = camera.rays()
-    depth = np.full(origin.shape[:2], np.inf)
-    normal = np.zeros_like(origin)
-    for collider in shown:
-        d = _trace(collider, origin, camera, t)
-        nearer = d < depth
-        depth = np.where(nearer, d, depth)
-        point = origin[nearer] + d[nearer][:, None] * camera.look
-        e = 0.5 * camera.pixel
-        n = np.stack(
-            [
-                _phi(collider, point + e * axis, t) - _phi(collider, point - e * axis, t)
-                for axis in np.eye(3)
-            ],
-            axis=-1,
-        )
-        normal[nearer] = n / np.maximum(np.linalg.norm(n, axis=-1, keepdims=True), 1e-300)
-    return depth, normal, origin + np.where(np.isfinite(depth), depth, 0)[..., None] * camera.look
-
-
-def _phi(collider: Json, x: Array, t: float) -> Array:
-    """φ(x) at time t of a collider that _visible() let through: its shape is analytic."""
-    phi = collider_distance(collider, x, t)
-    assert phi is not None
-    return phi
-
-
-def _trace(collider: Json, origin: Array, camera: Camera, t: float) -> Array:
-    """Depth of one collider along every ray, infinite where the ray misses."""
-    start = _phi(collider, origin, t)
-    if collider["shape"]["type"] == "half-space":
-        # φ is linear along a ray: one exact step.
-        slope = start - _phi(collider, origin + camera.look, t)
-        return np.where(
-            slope > 1e-9, np.maximum(start, 0) / np.where(slope > 1e-9, slope, 1), np.inf
-        )
-    far = 25 * camera.pixel * camera.width
-    depth = np.full(start.shape, 0.0)
-    active = np.ones(start.shape, bool)
-    for _ in range(60):
-        phi = _phi(collider, origin[active] + depth[active][:, None] * camera.look, t)
-        depth[active] += np.maximum(phi, 0)
-        going = (phi > 0.02 * camera.pixel) & (depth[active] < far)
-        active[active] = going
-        if not active.any():
-            return np.where(depth < far, depth, np.inf)
-    # Rays still under way graze a rim: they hit only what they have come within a pixel of.
-    phi = _phi(collider, origin + depth[..., None] * camera.look, t)
-    return np.where((depth < far) & (phi < camera.pixel), depth, np.inf)
-
-
-def _visible(collider: Json, camera: Camera) -> bool:
-    """Containers and walls between the camera and the snow would hide it."""
-    shape = collider["shape"]
-    if collider.get("inside", False) or shape["type"] in ("mesh", "level-set"):
-        return False
-    return shape["type"] != "half-space" or bool(unit(shape["normal"]) @ camera.look < -0.05)
 
 
 def shadow(camera: Camera, frame: Frame, point: Array) -> Array:

@@ -6,48 +6,12 @@ import numpy as np
 
 from . import check as checks_json, snowball
 from .check import Check
-from .colliders import free_flight_reach
 from .kinds import Array, Mask
-from .page import Figure, Mark, Page, Section, Table, Tile, number
+from .laws import Laws
+from .page import Figure, Mark, Page, Section, Tile, number
 from .style import MUTED, legend, log_axis, panel, to_svg
-from .trajectory import Frame, Trajectory
-
-AXES = "xyz"
-
-
-class Laws:
-    """What momentum and centre of mass must be while no collider is in reach.
-
-    p(t) = p0 + M g t, and X_n = X_{n-1} + Δt_n V_n with V_n = V_0 + g t_n: the
-    explicit step adds gravity before it moves (Stomakhin et al. 2013, steps 4
-    and 10). Both hold for any internal state and any FLIP fraction.
-    """
-
-    def __init__(self, trajectory: Trajectory, first: Frame) -> None:
-        d = trajectory.diagnostics
-        g = np.asarray(trajectory.scene.get("gravity", [0, 0, 0]), float)
-        mass = first.m.sum()
-        p0 = (first.m[:, None] * first.v).sum(axis=0)
-        X0 = (first.m[:, None] * first.x).sum(axis=0) / mass
-        elapsed = d["time"] - first.time
-        self.momentum = p0 + mass * g * elapsed[:, None]
-        self.center = X0 + np.cumsum(d["dt"][:, None] * (p0 / mass + g * elapsed[:, None]), axis=0)
-        scale_p = np.maximum(
-            np.linalg.norm(self.momentum, axis=1),
-            mass * max(np.linalg.norm(first.v, axis=1).max(), 1e-300),
-        )
-        self.momentum_error = np.linalg.norm(d["momentum"] - self.momentum, axis=1) / np.maximum(
-            scale_p, 1e-300
-        )
-        scale_x = max(np.linalg.norm(X0), np.ptp(first.x, axis=0).max(), 1e-300)
-        self.center_error = np.linalg.norm(d["center_of_mass"] - self.center, axis=1) / scale_x
-        reach = free_flight_reach(trajectory.scene, first.x)
-        periodic = np.any(trajectory.scene.get("grid", {}).get("periodic", [0]))
-        self.known = reach is not None and not periodic
-        # A rigid estimate: the farthest particle moves as the centre of mass plus its own speed.
-        spread = np.linalg.norm(first.v - p0 / mass, axis=1).max() * elapsed
-        travelled = np.linalg.norm(self.center - X0, axis=1) + spread
-        self.free = travelled < reach if self.known else np.zeros(len(elapsed), bool)
+from .trajectory import Trajectory
+from .trajectory_tables import AXES, diagnostics_table, fact_table
 
 
 def series(
@@ -288,42 +252,4 @@ def physics(trajectory: Trajectory, laws: Laws, run: str) -> Section:
         )
     return Section(
         "physics", "What happened, and the laws that must hold", figures=figures, command=run
-    )
-
-
-def fact_table(trajectory: Trajectory, run: str) -> Table:
-    """Solver, machine and size of the run."""
-    rows = [
-        ["particles", number(trajectory.particles)],
-        ["steps", number(trajectory.steps)],
-        ["frames", number(len(trajectory.times))],
-        ["end", f"{number(float(trajectory.times[-1]))} s"],
-    ]
-    rows += [[name.replace("_", " "), value] for name, value in sorted(trajectory.facts.items())]
-    wall = trajectory.facts.get("wall_time")
-    if wall and float(wall) > 0:
-        rate = trajectory.particles * trajectory.steps / float(wall)
-        rows.insert(2, ["particle-steps per second", number(rate, 3)])
-    return Table("facts", "Run", ["fact", "value"], rows, command=run, open=True)
-
-
-def diagnostics_table(trajectory: Trajectory, run: str, most: int = 400) -> Table:
-    """Every step, or evenly chosen rows of a long run."""
-    d = trajectory.diagnostics
-    rows = np.unique(np.linspace(0, len(d["time"]) - 1, min(len(d["time"]), most)).astype(int))
-    columns, values = [], []
-    for name, array in d.items():
-        parts = array.T if array.ndim == 2 else [array]
-        for suffix, part in zip(AXES if array.ndim == 2 else [""], parts, strict=True):
-            columns.append(f"{name}{'_' if suffix else ''}{suffix} [{trajectory.units[name]}]")
-            values.append(part[rows])
-    return Table(
-        "diagnostics",
-        "Diagnostics by step",
-        columns,
-        [[float(v[i]) for v in values] for i in range(len(rows))],
-        caption=""
-        if len(rows) == len(d["time"])
-        else f"{len(rows)} of {len(d['time'])} steps, evenly chosen; the file has all.",
-        command=run,
     )

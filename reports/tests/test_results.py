@@ -8,14 +8,20 @@ import pytest
 
 from firn_reports import (
     accuracy,
+    accuracy_tables,
     baseline,
+    case_tables,
+    float_accuracy,
+    highlights,
     implicit,
-    limits,
+    kernel_figures,
     readme_table,
     results,
-    results_figures,
     results_page,
+    results_summary,
     results_tables,
+    roofline,
+    speed_figures,
 )
 from firn_reports.__main__ import main
 from firn_reports.page import Page
@@ -62,7 +68,7 @@ def test_what_is_noisy_or_invalid_is_never_quoted(folder):
     )
     assert row[table.columns.index("time [ns]")] is None
     assert str(row[-2]) == "noisy"
-    assert all(c.name != PLASTIC for c, *_ in results_figures.roofline_points(r))
+    assert all(c.name != PLASTIC for c, *_ in roofline.roofline_points(r))
 
 
 def test_the_same_run_is_neither_slower_nor_faster(plain):
@@ -128,7 +134,7 @@ def test_a_case_that_no_longer_works_fails_the_comparison(folder, tmp_path, plai
 def verdict_of(path):
     r = results.read(path)
     page = Page("")
-    results_page.set_verdict(page, r, None, [], [])
+    results_summary.set_verdict(page, r, None, [], [])
     return page.verdict.text
 
 
@@ -146,7 +152,7 @@ def test_the_verdict_needs_every_check_and_every_case(folder):
 
 
 def test_orders_and_pareto_front(plain):
-    order, where = accuracy.best_order(results.read(plain.path)) or (None, "")
+    order, where = accuracy_tables.best_order(results.read(plain.path)) or (None, "")
     assert order == pytest.approx(2.0)
     assert "16 to 64" in where
     assert "reference" in where
@@ -154,7 +160,7 @@ def test_orders_and_pareto_front(plain):
 
 
 def test_time_to_an_error_is_the_fastest_run_that_is_accurate_enough(plain):
-    table = accuracy.time_to_error(plain)[0]
+    table = accuracy_tables.time_to_error(plain)[0]
     rows = [dict(zip(table.columns, row, strict=True)) for row in table.rows]
     mine = {row["method"]: row for row in rows if row["error asked for"] == 0.03}
     # α = 1 reaches 0.025 with 32 cells, α = 0 only with 64; float is 20 times faster.
@@ -172,7 +178,7 @@ def test_time_to_an_error_is_the_fastest_run_that_is_accurate_enough(plain):
 def test_what_happened_under_stress_stands_beside_what_was_expected(folder):
     broken = "F_E is not a number,optimized,float"
     r = results.read(synthetic.write_results(folder / "stress.h5", status={broken: "invalid"}))
-    table = limits.stress_table(r)[0]
+    table = float_accuracy.stress_table(r)[0]
     assert table.columns[:4] == ["situation", "expected", "reference, double", "optimized, float"]
     row = next(row for row in table.rows if row[0] == "F_E is not a number")
     assert row[1] == "stops"
@@ -221,31 +227,31 @@ def test_a_busy_machine_is_pointed_out_for_timings_only(folder):
         file.create_group("sessions/1").attrs.update(
             {"processors": 2.0, "load_average": "3.47 (1 min)"}
         )  # a verification
-    assert results_tables.busiest(results.read(path)) is None
+    assert highlights.busiest(results.read(path)) is None
     with h5py.File(path, "a") as file:
         file["sessions/1"].attrs["cases_asked_for"] = 5.0
-    assert results_tables.busiest(results.read(path)) == (3.47, 2)
+    assert highlights.busiest(results.read(path)) == (3.47, 2)
 
 
 def test_share_of_the_peak_is_the_plain_count_over_the_probe(plain):
-    share, _ = results_figures.best_share_of_peak(plain)
+    share, _ = roofline.best_share_of_peak(plain)
     # The fastest: 70 ns per particle-step, against 1e11 flop/s.
     assert share == pytest.approx(64 * 64 / 70e-9 / 1e11)
 
 
 def test_the_report_and_the_benchmarks_have_one_plain_count():
     header = Path(__file__).parents[2] / "bench" / "needed_work.hpp"
-    assert f"static_assert(plain_flop == {results_figures.PLAIN_FLOP});" in header.read_text()
+    assert f"static_assert(plain_flop == {roofline.PLAIN_FLOP});" in header.read_text()
 
 
 def test_both_counts_of_the_share_of_the_peak_are_shown_and_named(plain, monkeypatch):
     drawn = {}
     monkeypatch.setattr(
-        results_figures,
+        kernel_figures,
         "bars",
         lambda rows, xlabel, **more: drawn.update({xlabel: rows[0][1]}) or "",
     )
-    titles = [figure.title for figure in results_figures.targets(plain)]
+    titles = [figure.title for figure in kernel_figures.targets(plain)]
     assert drawn == {
         "ns": pytest.approx(100),
         "% of its FMA peak, factored count": pytest.approx(50),
@@ -256,9 +262,9 @@ def test_both_counts_of_the_share_of_the_peak_are_shown_and_named(plain, monkeyp
 
 
 def test_scaling_growth_and_costly_skips_are_pointed_out(plain):
-    assert results_tables.worst_scaling(plain)[0] == pytest.approx(1.6)
-    assert results_tables.size_growth(plain)[0] == pytest.approx(1.2)
-    assert results_tables.costliest_skip(plain)[1:] == ("box", "plastic")
+    assert highlights.worst_scaling(plain)[0] == pytest.approx(1.6)
+    assert highlights.size_growth(plain)[0] == pytest.approx(1.2)
+    assert highlights.costliest_skip(plain)[1:] == ("box", "plastic")
 
 
 def test_the_share_of_the_peak_is_read_under_its_older_name(folder):
@@ -272,7 +278,7 @@ def test_the_share_of_the_peak_is_read_under_its_older_name(folder):
         "| share of the FMA peak of AVX2, optimized, 100 000 particles, what the factored step needs | 50 % |"
         in readme_table.text(old)
     )
-    assert [figure.title for figure in results_figures.targets(old)][1:] == [
+    assert [figure.title for figure in kernel_figures.targets(old)][1:] == [
         "Share of each instruction set's own peak, factored count"
     ]
 
@@ -286,11 +292,11 @@ def test_what_threads_bring_stands_beside_what_independent_copies_bring(plain, f
     )
     drawn = {}
     monkeypatch.setattr(
-        results_figures,
+        speed_figures,
         "bars",
         lambda rows, xlabel, **more: drawn.update({xlabel: (rows, more)}) or "",
     )
-    figure = results_figures.scaling(plain)[0]
+    figure = speed_figures.scaling(plain)[0]
     rows, more = drawn["times one thread"]
     assert [row[1] for row in rows] == pytest.approx([1.6])
     assert more["ticks"] == pytest.approx([1.8])
@@ -300,7 +306,7 @@ def test_what_threads_bring_stands_beside_what_independent_copies_bring(plain, f
     for case in cases:
         case["quantities"].pop("efficiency of independent copies", None)
     old = results.read(synthetic.write_results(folder / "no_copies.h5", cases=cases))
-    assert "share nothing" not in results_figures.scaling(old)[0].caption
+    assert "share nothing" not in speed_figures.scaling(old)[0].caption
     assert drawn["times one thread"][1]["ticks"] == [None]
     assert "| efficiency of 2 threads | 0.8 |" in readme_table.text(old)
 
@@ -331,9 +337,9 @@ def test_what_is_too_noisy_is_named_where_it_is_missing(folder):
     r = results.read(
         synthetic.write_results(folder / "named.h5", status={"svd,optimized": "noisy"})
     )
-    figure = results_figures.kernels(r)[0]
+    figure = kernel_figures.kernels(r)[0]
     assert "Too noisy to quote: optimized, double, avx2" in figure.caption
-    assert [row[1] for row in results_tables.noisy(r)[0].rows] == ["svd,optimized"]
+    assert [row[1] for row in case_tables.noisy(r)[0].rows] == ["svd,optimized"]
 
 
 def test_every_number_of_the_summary_and_every_figure_has_its_command(plain):

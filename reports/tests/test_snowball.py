@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from firn_reports import snowball
+from firn_reports import snowball, tracing
+from firn_reports.camera import Camera
 from firn_reports.trajectory import Frame
 
 
@@ -24,7 +25,7 @@ def block():
 
 def test_the_nearer_of_two_particles_is_seen():
     near, far = [0.0, -1.0, 0.0], [0.0, 1.0, 0.0]
-    camera = snowball.Camera({}, [np.array([near, far, [-3, 0, 0], [3, 0, 0]])], 200, 100)
+    camera = Camera({}, [np.array([near, far, [-3, 0, 0], [3, 0, 0]])], 200, 100)
     camera.look, camera.right, camera.screen_up = (
         np.array([0.0, 1, 0]),
         np.array([1.0, 0, 0]),
@@ -49,9 +50,7 @@ def test_compacted_snow_is_blue_and_loosened_snow_is_amber():
     colours = []
     for J_P in (0.8, 1.2):
         f = frame(block(), np.full(12**3, J_P))
-        colours.append(
-            snowball.render(scene, f, snowball.Camera(scene, [f.x], 120, 120), norm)[60, 60]
-        )
+        colours.append(snowball.render(scene, f, Camera(scene, [f.x], 120, 120), norm)[60, 60])
     assert colours[0][2] > colours[0][0]
     assert colours[1][0] > colours[1][2]
 
@@ -60,8 +59,8 @@ def test_ground_is_drawn_below_and_shaded_under_the_body():
     ground = {"shape": {"type": "half-space", "point": [0, 0, 0], "normal": [0, 0, 1]}}
     scene = {"gravity": [0, 0, -9.81], "collider": [ground]}
     f = frame(block() + np.array([0, 0, 0.1]), np.ones(12**3))
-    camera = snowball.Camera(scene, [f.x], 160, 160)
-    depth, normal, point = snowball.trace_colliders(camera, scene, 0.0)
+    camera = Camera(scene, [f.x], 160, 160)
+    depth, normal, point = tracing.trace_colliders(camera, scene, 0.0)
     assert np.isfinite(depth).all()
     assert np.allclose(point[..., 2], 0, atol=1e-9)
     assert np.allclose(normal[80, 80], [0, 0, 1])
@@ -72,8 +71,8 @@ def test_ground_is_drawn_below_and_shaded_under_the_body():
 
 def test_a_ball_as_collider_is_met_at_its_near_side():
     scene = {"collider": [{"shape": {"type": "sphere", "center": [0, 0, 0], "radius": 1.0}}]}
-    camera = snowball.Camera(scene, [np.array([[-2.0, -2, -2], [2, 2, 2]])], 101, 101)
-    depth, normal, point = snowball.trace_colliders(camera, scene, 0.0)
+    camera = Camera(scene, [np.array([[-2.0, -2, -2], [2, 2, 2]])], 101, 101)
+    depth, normal, point = tracing.trace_colliders(camera, scene, 0.0)
     hit = np.isfinite(depth)
     # The disc of a unit sphere covers π m²; its rim is 2π/pixel pixels long, half of them in doubt.
     assert abs(hit.sum() * camera.pixel**2 - np.pi) < np.pi * camera.pixel

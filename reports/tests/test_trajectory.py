@@ -7,6 +7,7 @@ import pytest
 from firn_reports import InputError, trajectory, trajectory_page
 from firn_reports.__main__ import main
 from firn_reports.colliders import collider_distance, free_flight_reach
+from firn_reports.laws import Laws
 
 import synthetic
 
@@ -25,7 +26,7 @@ def test_only_the_valid_rows_and_frames_of_an_interrupted_file_are_read(trajecto
 
 def test_free_flight_holds_to_roundoff_until_contact_and_not_after(trajectory_file):
     t = trajectory.read(trajectory_file)
-    laws = trajectory_page.Laws(t, t.frame(0))
+    laws = Laws(t, t.frame(0))
     # The ball hangs 0.7 m above the ground; a particle's nodes reach 2√3 h further down.
     fallen = 1.0 - t.diagnostics["center_of_mass"][laws.free][-1][2]
     assert fallen == pytest.approx(0.7 - 2 * np.sqrt(3) * 0.05, abs=0.03)
@@ -41,7 +42,7 @@ def test_a_broken_law_is_seen(tmp_path):
         momentum = file["firn/diagnostics/momentum"]
         momentum[100] = momentum[100] + [1e-6, 0, 0]
     t = trajectory.read(path)
-    tiles = trajectory_page.tiles(t, trajectory_page.Laws(t, t.frame(0)), [])
+    tiles = trajectory_page.tiles(t, Laws(t, t.frame(0)), [])
     assert {tile.label: tile.kind for tile in tiles}["Momentum in free flight"] == "bad"
 
 

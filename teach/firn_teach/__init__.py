@@ -2,11 +2,13 @@
 
 lesson.py      the recorded step as arrays
 by_hand.py     every stage once more in a few lines of NumPy, run on the lesson
-pictures.py    what each stage looks like
+pictures.py    what each stage looks like: view.py, grid_pictures.py, particle_pictures.py
 source.py      the reference's own source of a stage
 measured.py    commands of the exercises, run for their answers
 mathml.py      formulas
-chapters/      the text
+chapters/      the text, which chapter.py reads
+rows.py        the tables of a stage
+extras.py      the pages beside the stages
 pages.py       puts it together
 """
 

@@ -6,11 +6,11 @@ import time
 
 import pytest
 
-from firn_teach import pages
+from firn_teach import chapter, pages
 
 from conftest import BUILD, ROOT, WEB_MODULE, firn
 
-NAMES = ["index.html", *pages.STAGE_FILES, *(f"{name}.html" for name in pages.EXTRAS)]
+NAMES = ["index.html", *chapter.STAGE_FILES, *(f"{name}.html" for name in chapter.EXTRAS)]
 needs_module = pytest.mark.skipif(not WEB_MODULE.exists(), reason="built without Emscripten")
 
 
@@ -51,7 +51,7 @@ def test_page(browser, lesson, name):
         "return [...document.querySelectorAll('.plot svg')].map(s => [s.getBoundingClientRect().width, s.getBoundingClientRect().height])"
     )
     assert all(w > 200 and h > 100 for w, h in plots)
-    if name in pages.STAGE_FILES:
+    if name in chapter.STAGE_FILES:
         assert len(plots) >= 1
         drawn = browser.execute_script(
             "return [...document.querySelectorAll('.plot svg')].map(s => s.querySelectorAll('path, use').length)"
@@ -369,7 +369,7 @@ def test_without_the_module_the_page_says_how_to_get_it(browser, lesson, tmp_pat
 
     page = pages.environment().get_template("interactive.html.jinja")
     text = page.render(
-        page=pages.chapter("interactive.html", "interactive.html"),
+        page=chapter.chapter("interactive.html", "interactive.html"),
         stages=[],
         site=[],
         footer="",

@@ -12,7 +12,7 @@ import h5py
 import numpy as np
 import pytest
 
-from firn_teach import STAGES, by_hand, exercises, lesson as lesson_file, mathml, pages
+from firn_teach import STAGES, by_hand, chapter, exercises, lesson as lesson_file, mathml, pages
 
 from conftest import BUILD, ROOT, firn
 
@@ -52,7 +52,7 @@ def test_numbers_are_those_of_firn_run(lesson, tmp_path):
     compared = 0
     # x_p, v_p, F_E, F_P: what the last stage that writes each of them leaves is what a run leaves.
     for stage, field in ((7, "F_E"), (7, "F_P"), (8, "v_p"), (9, "v_p"), (10, "x_p")):
-        page = lesson.page(pages.STAGE_FILES[stage - 1])
+        page = lesson.page(chapter.STAGE_FILES[stage - 1])
         if stage != 9:
             for (name, c), text in numbers(page, "before").items():
                 if name == field:
@@ -70,7 +70,7 @@ def test_numbers_are_those_of_firn_run(lesson, tmp_path):
 
 def test_every_stage_shows_the_node_or_the_particle(lesson):
     for name, fields in zip(
-        pages.STAGE_FILES,
+        chapter.STAGE_FILES,
         (
             ["m_i", "v_i"],
             ["V_p0"],
@@ -105,12 +105,12 @@ def test_the_lesson_has_something_to_show(lesson):
     assert events["nodes_in_contact"] > 0
     assert events["particles_yielding"] > 0
     for stage in (5, 7):
-        page = lesson.page(pages.STAGE_FILES[stage - 1])
+        page = lesson.page(chapter.STAGE_FILES[stage - 1])
         assert numbers(page, "before") != numbers(page, "after"), stage
 
 
 def test_the_optimized_solver_is_checked_in_every_stage(lesson):
-    for name in pages.STAGE_FILES:
+    for name in chapter.STAGE_FILES:
         found = re.findall(r"data-in-bounds>([^<]*)<", lesson.page(name))
         assert len(found) >= 2, name  # double and float
         assert all(float(value) <= 1 for value in found), (name, found)
