@@ -86,7 +86,6 @@ int main() {
   registry.add({"falling",
                 "point masses in free fall",
                 {firn::Precision::float64},
-                false,
                 [](const firn::SolverOptions&) { return std::make_unique<FallingParticles>(); }});
 
   const auto reference = registry.create("reference", {});
