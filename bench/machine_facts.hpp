@@ -1,6 +1,10 @@
 #pragma once
 /// The machine and the build that figures belong to, and how noisy it is just now.
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "io/results/results.hpp"
 
 namespace firn::bench {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <gsl/gsl_bspline.h>
+#include <gsl/gsl_version.h>
 #include <memory>
 #include <random>
 
@@ -37,10 +38,15 @@ Weights by_reference(const std::array<double, 3>& s) {
 }
 
 /// GSL's cubic B-splines on uniform breaks 0 … 7; cell [3, 4] is free of the ends.
+/// GSL 2.8 gave the two functions used here new names.
 class GslSpline {
  public:
   GslSpline() : space_(gsl_bspline_alloc(4, 8)), values_(gsl_matrix_alloc(4, 2)) {
+#if GSL_MAJOR_VERSION == 2 && GSL_MINOR_VERSION < 8
     gsl_bspline_knots_uniform(0, 7, space_);
+#else
+    gsl_bspline_init_uniform(0, 7, space_);
+#endif
   }
   ~GslSpline() {
     gsl_matrix_free(values_);
@@ -52,8 +58,7 @@ class GslSpline {
   Weights operator()(const std::array<double, 3>& s) const {
     Weights w;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::size_t first = 0, last = 0;
-      gsl_bspline_deriv_eval_nonzero(3 + s[axis], 1, values_, &first, &last, space_);
+      evaluate(3 + s[axis]);
       for (std::size_t a = 0; a < 4; ++a) {
         w.N[axis][a] = gsl_matrix_get(values_, a, 0);
         w.dN[axis][a] = gsl_matrix_get(values_, a, 1);
@@ -63,6 +68,17 @@ class GslSpline {
   }
 
  private:
+  /// The four splines that do not vanish at x, and their first derivatives.
+  void evaluate(double x) const {
+    std::size_t first = 0;
+#if GSL_MAJOR_VERSION == 2 && GSL_MINOR_VERSION < 8
+    std::size_t last = 0;
+    gsl_bspline_deriv_eval_nonzero(x, 1, values_, &first, &last, space_);
+#else
+    gsl_bspline_basis_deriv(x, 1, values_, &first, space_);
+#endif
+  }
+
   gsl_bspline_workspace* space_;
   gsl_matrix* values_;
 };
