@@ -64,6 +64,32 @@ bool InputFile::has(const std::string& name) const {
   return H5Oexists_by_name(file_.get(), name.c_str(), links_.get()) > 0;
 }
 
+bool InputFile::has_attribute(const std::string& object, const char* attribute_name) const {
+  const Reading reading(path_);
+  return has(object) &&
+         H5Aexists_by_name(file_.get(), object.c_str(), attribute_name, links_.get()) > 0;
+}
+
+std::vector<std::string> InputFile::children(const std::string& group) const {
+  const Reading reading(path_);
+  std::vector<std::string> names;
+  H5G_info_t info;
+  if (!has(group) || H5Gget_info_by_name(file_.get(), group.c_str(), &info, links_.get()) < 0)
+    return names;
+  for (hsize_t i = 0; i < info.nlinks; ++i) {
+    const auto name_of = [&](char* text, std::size_t size) {
+      return H5Lget_name_by_idx(file_.get(), group.c_str(), H5_INDEX_NAME, H5_ITER_INC, i, text,
+                                size, links_.get());
+    };
+    const ssize_t length = name_of(nullptr, 0);
+    if (length < 0) throw InputError(where(group) + ": cannot be read: " + last_error());
+    std::string name(static_cast<std::size_t>(length), '\0');
+    name_of(name.data(), name.size() + 1);
+    names.push_back(name);
+  }
+  return names;
+}
+
 /// Deflate packs at most 1032 : 1, so a larger claim is a lie, or data never written.
 void InputFile::require_honest_size(const InputDataset& dataset, double bytes) const {
   Id properties(H5Dget_create_plist(dataset.id_.get()), H5Pclose);

@@ -50,6 +50,10 @@ class InputFile {
   std::string where(const std::string& name) const { return path_.string() + ": " + name; }
 
   bool has(const std::string& name) const;
+  bool has_attribute(const std::string& object, const char* name) const;
+
+  /// Names of what is in a group, in alphabetical order; none if there is no such group.
+  std::vector<std::string> children(const std::string& group) const;
 
   /// A dataset of `components` values per row (0: any number).
   InputDataset dataset(const std::string& name, Kind kind, std::int64_t components) const;

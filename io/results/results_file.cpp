@@ -1,14 +1,15 @@
 #include "io/results/results_file.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <hdf5.h>
 #include <string_view>
 
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
-#include "io/results/hdf5_text.hpp"
+#include "io/hdf5/read.hpp"
+#include "io/hdf5/write.hpp"
 
 namespace firn::results {
 
@@ -53,43 +54,87 @@ std::string now_utc() {
   return text;
 }
 
-void write_facts(hid_t group, const Facts& facts) {
-  for (const auto& [key, value] : facts) {
-    if (const auto* number = std::get_if<double>(&value))
-      h5::write_attribute(group, key, *number);
-    else
-      h5::write_attribute(group, key, std::get<std::string>(value));
+/// A group that is being filled, and its name for messages.
+class Group {
+ public:
+  Group(hid_t location, const std::string& path)
+      : path_(path), id_(hdf5::open_or_create_group(location, path)) {}
+
+  hid_t id() const { return id_.get(); }
+
+  void write(const std::string& key, double value) const {
+    hdf5::write_number(id(), path_, key.c_str(), value);
   }
+  void write(const std::string& key, const std::string& value) const {
+    hdf5::write_text(id(), path_, key.c_str(), value);
+  }
+  void write(const Facts& facts) const {
+    for (const auto& [key, value] : facts)
+      std::visit([this, &key = key](const auto& known) { write(key, known); }, value);
+  }
+
+ private:
+  std::string path_;
+  hdf5::Id id_;
+};
+
+/// The group at `path` in place of an older one.
+Group replace_group(hid_t location, const std::string& path) {
+  hdf5::remove(location, path);
+  return {location, path};
 }
 
 void write_quantity(hid_t group, const Quantity& quantity) {
-  const h5::Id set = h5::write_dataset(group, quantity.name, quantity.values);
-  h5::write_attribute(set, "units", quantity.units);
-  h5::write_attribute(set, "meaning", quantity.meaning);
-  h5::write_attribute(set, "better", std::string(name(quantity.better)));
-  h5::write_attribute(set, "timed", quantity.timed ? 1.0 : 0.0);
+  const std::string& set = quantity.name;
+  const hdf5::Id id = hdf5::write_numbers(group, set, quantity.values, quantity.units.c_str());
+  hdf5::write_text(id.get(), set, "meaning", quantity.meaning);
+  hdf5::write_text(id.get(), set, "better", std::string(name(quantity.better)));
+  hdf5::write_number(id.get(), set, "timed", quantity.timed ? 1 : 0);
+}
+
+std::string case_path(const std::string& suite, const std::string& name) {
+  return "cases/" + link_name(suite) + "/" + link_name(name);
 }
 
 void write_case(hid_t file, const Case& result, int session) {
-  const h5::Id suite = h5::open_or_create_group(file, "cases/" + link_name(result.suite));
-  const std::string link = link_name(result.name);
-  if (H5Lexists(suite, link.c_str(), H5P_DEFAULT) > 0) H5Ldelete(suite, link.c_str(), H5P_DEFAULT);
-  const h5::Id group = h5::open_or_create_group(suite, link);
-  h5::write_attribute(group, "title", result.title);
-  h5::write_attribute(group, "command", result.command);
-  h5::write_attribute(group, "status", std::string(results::name(result.status)));
-  h5::write_attribute(group, "message", result.message);
-  h5::write_attribute(group, "validation", result.validation);
-  h5::write_attribute(group, "session", static_cast<double>(session));
-  h5::write_attribute(group, "wall_seconds", result.wall_seconds);
-  h5::write_attribute(group, "processor_seconds", result.processor_seconds);
-  h5::write_attribute(group, "finished", now_utc());
-  const h5::Id parameters = h5::open_or_create_group(group, "parameters");
-  write_facts(parameters, result.parameters);
-  const h5::Id quantities = h5::open_or_create_group(group, "quantities");
-  for (const Quantity& quantity : result.quantities) write_quantity(quantities, quantity);
-  const h5::Id set = h5::write_dataset(group, "calibration", result.calibration);
-  h5::write_attribute(set, "units", "s");
+  const Group group = replace_group(file, case_path(result.suite, result.name));
+  group.write("title", result.title);
+  group.write("command", result.command);
+  group.write("status", std::string(results::name(result.status)));
+  group.write("message", result.message);
+  group.write("validation", result.validation);
+  group.write("session", session);
+  group.write("wall_seconds", result.wall_seconds);
+  group.write("processor_seconds", result.processor_seconds);
+  group.write("finished", now_utc());
+  Group(group.id(), "parameters").write(result.parameters);
+  const Group quantities(group.id(), "quantities");
+  for (const Quantity& quantity : result.quantities) write_quantity(quantities.id(), quantity);
+  hdf5::write_numbers(group.id(), "calibration", result.calibration, "s");
+}
+
+/// "" where there is no such attribute.
+std::string text_in(const hdf5::InputFile& file, const std::string& object,
+                    const std::string& key) {
+  return file.has_attribute(object, key.c_str()) ? file.text_attribute(object, key.c_str()) : "";
+}
+
+/// InputError unless `path` holds results that agree with `machine` in the facts named
+/// `comparable`. Returns how many sessions have written to it.
+int join(const std::string& path, const Facts& machine,
+         const std::vector<std::string>& comparable) {
+  const hdf5::InputFile file(path);
+  if (const std::string format = text_in(file, "/", "format"); format != "firn-results")
+    throw InputError(path, "attribute format of /", format, "firn-results");
+  for (const auto& [key, value] : machine) {
+    const auto* text = std::get_if<std::string>(&value);
+    if (!text || std::find(comparable.begin(), comparable.end(), key) == comparable.end()) continue;
+    const std::string before = text_in(file, "sessions/0", key);
+    if (before != *text)
+      throw InputError(path, key + " of the results already in it", before,
+                       *text + " (this build and machine), or another file with -o");
+  }
+  return static_cast<int>(file.children("sessions").size());
 }
 
 }  // namespace
@@ -98,36 +143,20 @@ ResultsFile::ResultsFile(std::string path, const Facts& machine,
                          const std::vector<std::string>& comparable)
     : path_(std::move(path)) {
   const bool exists = fs::exists(path_);
-  if (exists) {
-    const h5::Id file = h5::open_file(path_, /*writable=*/false);
-    if (h5::read_attribute(file, "format") != "firn-results")
-      throw InputError(path_, "attribute format of /", h5::read_attribute(file, "format"),
-                       "firn-results");
-    const h5::Id sessions = h5::open_or_create_group(file, "sessions");
-    session_ = static_cast<int>(h5::children(sessions).size());
-    const h5::Id first = h5::open_or_create_group(sessions, "0");
-    for (const auto& [key, value] : machine) {
-      const auto* text = std::get_if<std::string>(&value);
-      bool compared = false;
-      for (const std::string& wanted : comparable) compared = compared || wanted == key;
-      if (!compared || !text) continue;
-      const std::string before = h5::read_attribute(first, key);
-      if (before != *text)
-        throw InputError(path_, key + " of the results already in it", before,
-                         *text + " (this build and machine), or another file with -o");
-    }
-  } else if (fs::path(path_).has_parent_path()) {
+  if (exists)
+    session_ = join(path_, machine, comparable);
+  else if (fs::path(path_).has_parent_path())
     fs::create_directories(fs::path(path_).parent_path());
-  }
   rewrite([&](hid_t file) {
     if (!exists) {
-      h5::write_attribute(file, "format", "firn-results");
-      h5::write_attribute(file, "version", static_cast<double>(schema_version));
-      h5::write_attribute(file, "firn_version", build_info().version);
+      const Group root(file, "/");
+      root.write("format", "firn-results");
+      root.write("version", schema_version);
+      root.write("firn_version", build_info().version);
     }
-    const h5::Id session = h5::open_or_create_group(file, "sessions/" + std::to_string(session_));
-    write_facts(session, machine);
-    h5::write_attribute(session, "started", now_utc());
+    const Group session(file, "sessions/" + std::to_string(session_));
+    session.write(machine);
+    session.write("started", now_utc());
   });
 }
 
@@ -139,18 +168,15 @@ void ResultsFile::rewrite(const Write& write) {
   else
     fs::remove(next);
   {
-    const h5::Id file = fs::exists(next) ? h5::open_file(next, true) : h5::create_file(next);
+    const hdf5::Id file = hdf5::open_or_create_file(next);
     write(file.get());
+    hdf5::written(H5Fflush(file.get(), H5F_SCOPE_GLOBAL), next);
   }
   fs::rename(next, path_);
 }
 
 bool ResultsFile::has(const std::string& suite, const std::string& name) const {
-  const h5::Id file = h5::open_file(path_, false);
-  const std::string path = "cases/" + link_name(suite) + "/" + link_name(name);
-  if (!h5::exists(file, path)) return false;
-  const h5::Id group = h5::open_or_create_group(file, path);
-  const std::string status = h5::read_attribute(group, "status");
+  const std::string status = text_in(hdf5::InputFile(path_), case_path(suite, name), "status");
   return status == "measured" || status == "invalid";
 }
 
@@ -161,11 +187,7 @@ void ResultsFile::append(const Case& result) {
 void ResultsFile::append_verification(const std::string& subject, const std::string& command,
                                       const std::vector<Check>& checks) {
   rewrite([&](hid_t file) {
-    const h5::Id verify = h5::open_or_create_group(file, "verify");
-    const std::string link = link_name(subject);
-    if (H5Lexists(verify, link.c_str(), H5P_DEFAULT) > 0)
-      H5Ldelete(verify, link.c_str(), H5P_DEFAULT);
-    const h5::Id group = h5::open_or_create_group(verify, link);
+    const Group group = replace_group(file, "verify/" + link_name(subject));
     bool valid = !checks.empty();
     std::vector<std::string> topic, check_name, verdict, commands;
     std::vector<double> error;
@@ -177,22 +199,21 @@ void ResultsFile::append_verification(const std::string& subject, const std::str
       verdict.push_back(check.verdict);
       commands.push_back(check.command);
     }
-    h5::write_attribute(group, "verdict", valid ? "VALID" : "INVALID");
-    h5::write_attribute(group, "command", command);
-    h5::write_attribute(group, "session", static_cast<double>(session_));
-    h5::write_texts(group, "topic", topic);
-    h5::write_texts(group, "check", check_name);
-    h5::write_attribute(h5::write_dataset(group, "error", error), "units", "bound");
-    h5::write_texts(group, "verdict", verdict);
-    h5::write_texts(group, "command", commands);
+    group.write("verdict", valid ? "VALID" : "INVALID");
+    group.write("command", command);
+    group.write("session", session_);
+    hdf5::write_texts(group.id(), "topic", topic);
+    hdf5::write_texts(group.id(), "check", check_name);
+    hdf5::write_numbers(group.id(), "error", error, "bound");
+    hdf5::write_texts(group.id(), "verdict", verdict);
+    hdf5::write_texts(group.id(), "command", commands);
   });
 }
 
 void ResultsFile::append_mutants(const std::string& command, const std::vector<Mutant>& mutants) {
   rewrite([&](hid_t file) {
-    if (H5Lexists(file, "mutants", H5P_DEFAULT) > 0) H5Ldelete(file, "mutants", H5P_DEFAULT);
-    const h5::Id group = h5::open_or_create_group(file, "mutants");
-    h5::write_attribute(group, "command", command);
+    const Group group = replace_group(file, "mutants");
+    group.write("command", command);
     std::vector<std::string> mutant, patch, stage, named, by;
     std::vector<double> caught;
     for (const Mutant& m : mutants) {
@@ -203,12 +224,12 @@ void ResultsFile::append_mutants(const std::string& command, const std::vector<M
       by.push_back(m.caught_by);
       caught.push_back(m.caught ? 1 : 0);
     }
-    h5::write_texts(group, "name", mutant);
-    h5::write_texts(group, "patch", patch);
-    h5::write_texts(group, "stage", stage);
-    h5::write_texts(group, "named_stage", named);
-    h5::write_texts(group, "caught_by", by);
-    h5::write_dataset(group, "caught", caught);
+    hdf5::write_texts(group.id(), "name", mutant);
+    hdf5::write_texts(group.id(), "patch", patch);
+    hdf5::write_texts(group.id(), "stage", stage);
+    hdf5::write_texts(group.id(), "named_stage", named);
+    hdf5::write_texts(group.id(), "caught_by", by);
+    hdf5::write_numbers(group.id(), "caught", caught, nullptr);
   });
 }
 

@@ -15,7 +15,7 @@
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "firn/error.hpp"
-#include "io/results/hdf5_text.hpp"
+#include "io/hdf5/read.hpp"
 #include "solvers/solvers.hpp"
 
 namespace firn::bench {
@@ -178,10 +178,10 @@ TEST_F(RunnerTest, NoNumberOfAWrongSolverIsPrinted) {
   EXPECT_EQ(run_it(), 1);
   EXPECT_NE(log.str().find("invalid: differs from the reference"), std::string::npos) << log.str();
   EXPECT_EQ(log.str().find(" ns"), std::string::npos) << log.str();
-  const results::h5::Id file = results::h5::open_file(options.output, false);
+  const hdf5::InputFile file(options.output);
   const std::string group = "cases/steps/liar,double,1T,elastic,100000/quantities";
-  EXPECT_TRUE(results::h5::exists(file, group));
-  EXPECT_TRUE(results::h5::children(results::h5::open_or_create_group(file, group)).empty());
+  EXPECT_TRUE(file.has(group));
+  EXPECT_TRUE(file.children(group).empty());
 }
 
 TEST_F(RunnerTest, EverySituationUnderStressEndsAsExpected) {

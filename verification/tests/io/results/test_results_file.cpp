@@ -3,11 +3,10 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <hdf5.h>
 #include <unistd.h>
 
 #include "firn/error.hpp"
-#include "io/results/hdf5_text.hpp"
+#include "io/hdf5/read.hpp"
 #include "io/results/results_file.hpp"
 
 namespace firn::results {
@@ -59,14 +58,15 @@ TEST_F(ResultsFileTest, EveryRepetitionIsKept) {
   ResultsFile file(path, machine, {});
   file.append(timing("a", Status::measured));
   file.append(timing("b", Status::noisy));
-  const h5::Id h5 = h5::open_file(path, false);
+  const hdf5::InputFile h5(path);
   for (const char* name : {"cases/steps/a/quantities/time", "cases/steps/b/quantities/time"}) {
-    const h5::Id set(H5Dopen2(h5, name, H5P_DEFAULT), name);
+    const hdf5::InputDataset set = h5.dataset(name, hdf5::Kind::real, 1);
+    ASSERT_EQ(set.rows(), 3);
     double values[3] = {};
-    ASSERT_GE(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), 0);
+    set.read(0, 3, values);
     EXPECT_EQ(values[0], 3);
     EXPECT_EQ(values[2], 2);
-    EXPECT_EQ(h5::read_attribute(set, "units"), "ns");
+    EXPECT_EQ(h5.text_attribute(name, "units"), "ns");
   }
 }
 
@@ -96,15 +96,14 @@ TEST_F(ResultsFileTest, VerificationIsInvalidIfOneCheckIsOrIfThereWasNone) {
                            {{"t", "n", 0.5, "VALID", "c"}, {"t", "m", 2, "INVALID", "c"}});
   file.append_verification("none", "firn verify", {});
   file.append_mutants("firn verify --mutants", {{"m", "p", "s", "s", "check", true}});
-  const h5::Id h5 = h5::open_file(path, false);
+  const hdf5::InputFile h5(path);
   const auto verdict = [&](const char* who) {
-    return h5::read_attribute(h5::open_or_create_group(h5, std::string("verify/") + who),
-                              "verdict");
+    return h5.text_attribute(std::string("verify/") + who, "verdict");
   };
   EXPECT_EQ(verdict("good"), "VALID");
   EXPECT_EQ(verdict("bad"), "INVALID");
   EXPECT_EQ(verdict("none"), "INVALID");
-  EXPECT_TRUE(h5::exists(h5, "mutants/caught_by"));
+  EXPECT_TRUE(h5.has("mutants/caught_by"));
 }
 
 TEST_F(ResultsFileTest, SomethingElseIsRefused) {
