@@ -25,7 +25,9 @@ FirnWeb().then(firn => {
   ];
 
   function array(name) {
-    const text = firn.allocateUTF8(name);
+    const bytes = new TextEncoder().encode(name + '\0');
+    const text = firn._malloc(bytes.length);
+    firn.HEAPU8.set(bytes, text);
     const start = firn._firn_array(text) / 8;
     firn._free(text);
     return firn.HEAPF64.slice(start, start + firn._firn_array_size());
