@@ -98,7 +98,7 @@ std::string first_failure(const std::string& solver, const std::string& filter,
 
 /// What lockstep says first, over all cases.
 std::optional<Divergence> named_by_check(const std::string& solver, const Registry& registry) {
-  for (const cases::Case& c : cases::snow_cases()) {
+  for (const fixtures::Case& c : fixtures::snow_cases()) {
     const auto reference = registry.create("reference", {});
     const auto subject = subject_of(solver, registry).create(1);
     const CheckReport report =

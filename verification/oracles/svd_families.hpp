@@ -7,32 +7,11 @@
 #include <vector>
 
 #include "verification/oracles/svd_oracle.hpp"
+#include "verification/support/random_numbers.hpp"
 
 namespace firn::verification {
 
-/// Reproducible on every machine and compiler: splitmix64 and own distributions.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits() {
-    std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return z ^ (z >> 31);
-  }
-  /// [0, 1)
-  double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
-  double uniform(double a, double b) { return a + (b - a) * uniform(); }
-  int below(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }
-  double gaussian() {
-    const double r = std::sqrt(-2 * std::log(1 - uniform()));
-    return r * std::cos(6.283185307179586 * uniform());
-  }
-  double sign() { return (bits() & 1) ? 1 : -1; }
-
- private:
-  std::uint64_t state_;
-};
+using Random = fixtures::NumbersOf<fixtures::SplitMix64>;
 
 /// A rotation, uniformly distributed (normalized Gaussian quaternion).
 inline Matrix random_rotation(Random& random) {

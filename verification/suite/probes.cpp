@@ -8,29 +8,23 @@
 
 namespace firn::suite {
 
-Material elastic_material() {
-  Material m;
-  m.name = "elastic";
-  m.hardening = 0;
-  m.critical_compression = m.critical_stretch = std::numeric_limits<double>::infinity();
-  return m;
+Scene plain_scene() {
+  Scene scene = fixtures::elastic_scene("suite", spacing, 1e-4);
+  scene.flip = 1;
+  return scene;
 }
 
-Scene plain_scene() {
-  Scene scene;
-  scene.name = "suite";
-  scene.grid.spacing = spacing;
-  scene.time.step = 1e-4;
-  scene.time.end = 1e9;
-  scene.time.frames_per_second = 1;
-  scene.flip = 1;
-  scene.materials = {elastic_material()};
-  // Where the scene would have its particles; a guest is given the scene's text.
-  Body body;
-  body.shape = Box{Vec3::Zero(), Vec3::Constant(spacing)};
-  body.sampling = Sampling::lattice;
-  scene.bodies = {body};
-  return scene;
+State rounded_snow(std::size_t n, double cells, std::uint64_t seed, const fixtures::Snow& snow) {
+  State state = fixtures::random_snow(plain_scene(), n, 0.5 * cells * spacing, seed, snow);
+  Particles& p = state.particles;
+  for (std::size_t q = 0; q < n; ++q) {
+    for (int a = 0; a < 3; ++a) p.x[q][a] = spacing * std::floor(p.x[q][a] / spacing * 4096) / 4096;
+    p.v[q] = rounded(p.v[q]);
+    p.m[q] = rounded(p.m[q]);
+    p.F_E[q] = rounded(p.F_E[q]);
+    p.F_P[q] = rounded(p.F_P[q]);
+  }
+  return state;
 }
 
 Real N(Real x) {
@@ -73,7 +67,7 @@ int floor_divide(int a, int b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 }  // namespace
 
 LoneParticles::LoneParticles(int n, std::uint64_t seed) : edge(n) {
-  cases::Random random(seed);
+  fixtures::Random random(seed);
   Particles& p = state.particles;
   p.resize(static_cast<std::size_t>(n * n * n));
   constexpr double awkward[] = {0, 0x1p-12, 1 - 0x1p-12, 0.5, 0.25};

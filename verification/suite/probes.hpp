@@ -10,7 +10,8 @@
 #include "verification/oracles/svd_oracle.hpp"
 #include "verification/suite/ledger.hpp"
 #include "verification/suite/subject.hpp"
-#include "verification/support/snow_cases.hpp"
+#include "verification/support/scenes.hpp"
+#include "verification/support/snow.hpp"
 
 namespace firn::suite {
 
@@ -24,8 +25,12 @@ inline constexpr double spacing = 0x1p-4;
 /// No gravity, no colliders, α = 1, one elastic material of the paper's stiffness, Δt = 1e-4 s.
 Scene plain_scene();
 
-/// Purely elastic, without hardening.
-Material elastic_material();
+using fixtures::elastic_material;
+
+/// n particles of random snow in a cube of `cells` cells around the origin, in numbers that the
+/// subject can hold.
+State rounded_snow(std::size_t n, double cells, std::uint64_t seed,
+                   const fixtures::Snow& snow = {});
 
 /// N and N' of the cubic B-spline in extended precision, in factored form; x in units of h.
 Real N(Real x);

@@ -35,7 +35,7 @@ template <class Velocity>
 Collided collide(Scene scene, bool nodes, const Velocity& velocity, double time = 0) {
   State state;
   Particles& p = state.particles;
-  cases::Random random(51);
+  fixtures::Random random(51);
   p.resize(static_cast<std::size_t>(effort(500, 100)));
   for (std::size_t q = 0; q < p.size(); ++q) {
     for (int a = 0; a < 3; ++a) p.x[q][a] = spacing * std::floor(3 * random() * 1024) / 1024;
@@ -78,7 +78,7 @@ void all_properties(bool nodes) {
   slope.velocity = Vec3(0.25, 0, 0.125);
   slope.angular_velocity = Vec3(0.5, -1, 2);
   scene.colliders = {slope};
-  cases::Random random(52);
+  fixtures::Random random(52);
   const auto any = [&](const Vec3&) { return random.vec3(); };
   const Collided c = collide(scene, nodes, any);
   ASSERT_EQ(c.after.size(), c.before.size());

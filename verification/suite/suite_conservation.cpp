@@ -21,22 +21,12 @@ struct RandomSnow {
   Scene scene = plain_scene();
   State state;
 
-  RandomSnow(std::size_t n, double cells, std::uint64_t seed) {
-    cases::Random random(seed);
+  RandomSnow(std::size_t n, double cells, std::uint64_t seed)
+      : state(rounded_snow(n, cells, seed)) {
     Material snow;
     snow.name = "snow";
     scene.materials = {snow};
-    Particles& p = state.particles;
-    p.resize(n);
-    for (std::size_t q = 0; q < n; ++q) {
-      for (int a = 0; a < 3; ++a)
-        p.x[q][a] = spacing * std::floor(0.5 * cells * random() * 4096) / 4096;
-      p.v[q] = rounded(random.vec3());
-      p.m[q] = rounded(400 * spacing * spacing * spacing / 8 * (1 + 0.5 * random()));
-      p.F_E[q] = rounded(Mat3(Mat3::Identity() + 0.02 * random.mat3()));
-      p.F_P[q] = rounded(Mat3(Mat3::Identity() + 0.05 * random.mat3()));
-      p.id[q] = static_cast<std::int64_t>(q);
-    }
+    for (double& V_0 : state.particles.V_0) V_0 = 0;  // to be estimated
   }
 };
 

@@ -19,7 +19,7 @@ std::vector<Mat3> stresses(LoneParticles& lone, const std::vector<Mat3>& F_E) {
 }
 
 std::vector<Mat3> near_identity(std::size_t n, double size, std::uint64_t seed) {
-  cases::Random random(seed);
+  fixtures::Random random(seed);
   std::vector<Mat3> F(n);
   for (Mat3& one : F) one = rounded(Mat3(Mat3::Identity() + size * random.mat3()));
   return F;
@@ -63,7 +63,7 @@ TEST(Constitutive, closed_forms) {
   LoneParticles lone(effort(5, 3), 23);
   const Material& m = lone.scene.materials[0];
   const double mu = m.mu_0(), lambda = m.lambda_0();
-  cases::Random random(24);
+  fixtures::Random random(24);
   std::vector<Mat3> F(lone.size()), expected(lone.size());
   std::vector<const char*> which(lone.size());
   for (std::size_t p = 0; p < F.size(); ++p) {
@@ -98,7 +98,7 @@ TEST(Constitutive, closed_forms) {
         break;
       }
       default:
-        F[p] = rounded(random.rotation());
+        F[p] = rounded(fixtures::random_rotation(random));
         expected[p].setZero();
         which[p] = "rotation: no stress";
     }
@@ -111,11 +111,11 @@ TEST(Constitutive, closed_forms) {
 TEST(Constitutive, symmetry_objectivity_isotropy) {
   LoneParticles lone(effort(5, 3), 25);
   const Material& m = lone.scene.materials[0];
-  cases::Random random(26);
+  fixtures::Random random(26);
   const std::vector<Mat3> F = near_identity(lone.size(), 0.2, 27);
   std::vector<Mat3> Q, QF, FQ;
   for (const Mat3& one : F) {
-    Q.push_back(random.rotation());
+    Q.push_back(fixtures::random_rotation(random));
     QF.push_back(rounded(Mat3(Q.back() * one)));
     FQ.push_back(rounded(Mat3(one * Q.back())));
   }
@@ -151,7 +151,7 @@ TEST(Constitutive, hardening) {
   Material& m = lone.scene.materials[0];
   m.hardening = 10;
   Particles& p = lone.state.particles;
-  cases::Random random(31);
+  fixtures::Random random(31);
   const Mat3 F = rounded(Mat3(Mat3::Identity() + 0.01 * random.mat3()));
   Matrix D = to_matrix(F);
   for (const std::size_t k : {0u, 4u, 8u}) D[k] -= 1;

@@ -5,13 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "verification/suite/probes.hpp"
+#include "verification/support/snow_cases.hpp"
 
 namespace firn::suite {
 namespace {
 
 int steps() { return effort(12, 2); }
 
-State run_case(const cases::Case& c, Solver& solver, int count) {
+State run_case(const fixtures::Case& c, Solver& solver, int count) {
   solver.load(c.scene, c.state);
   for (int n = 0; n < count; ++n) solver.step(solver.choose_time_step().dt);
   State state;
@@ -35,14 +36,14 @@ void same_bits(const std::string& what, const State& a, const State& b) {
   expect(what, count == 0, fmt::format("{} of {} particle quantities differ", count, 5 * p.size()));
 }
 
-std::vector<cases::Case> some_cases() {
-  std::vector<cases::Case> list = {cases::lump_on_slope(), cases::periodic_lump()};
-  if (solves_implicitly()) list.push_back(cases::implicit_lump());
+std::vector<fixtures::Case> some_cases() {
+  std::vector<fixtures::Case> list = {fixtures::lump_on_slope(), fixtures::periodic_lump()};
+  if (solves_implicitly()) list.push_back(fixtures::implicit_lump());
   return list;
 }
 
 TEST(Determinism, number_of_threads) {
-  for (const cases::Case& c : some_cases()) {
+  for (const fixtures::Case& c : some_cases()) {
     const State one = run_case(c, *subject().create(1), steps());
     for (const int threads : {2, 3, 5})
       same_bits(fmt::format("{}: {} threads", c.name, threads), one,
@@ -51,16 +52,16 @@ TEST(Determinism, number_of_threads) {
 }
 
 TEST(Determinism, the_same_run_twice) {
-  for (const cases::Case& c : some_cases())
+  for (const fixtures::Case& c : some_cases())
     same_bits(c.name, run_case(c, *make_subject(), steps()), run_case(c, *make_subject(), steps()));
 }
 
 /// What a solver did before must not matter: its memory, its order of particles.
 TEST(Determinism, what_was_before) {
-  for (const cases::Case& c : some_cases()) {
+  for (const fixtures::Case& c : some_cases()) {
     const State fresh = run_case(c, *make_subject(), 2);
     const auto used = make_subject();
-    run_case(cases::lump_on_slope(), *used, 3);
+    run_case(fixtures::lump_on_slope(), *used, 3);
     same_bits(c.name, fresh, run_case(c, *used, 2));
   }
 }
@@ -68,7 +69,7 @@ TEST(Determinism, what_was_before) {
 /// Loaded again after every step with what it stored (and its own restart data), it goes on as if
 /// nothing had happened.
 TEST(Determinism, stored_and_loaded) {
-  for (const cases::Case& c : some_cases()) {
+  for (const fixtures::Case& c : some_cases()) {
     const State whole = run_case(c, *make_subject(), steps());
     State state = c.state;
     std::vector<std::byte> rest;
@@ -87,7 +88,7 @@ TEST(Determinism, stored_and_loaded) {
 
 /// A pause to look at the state changes nothing.
 TEST(Determinism, looking_does_not_disturb) {
-  for (const cases::Case& c : some_cases()) {
+  for (const fixtures::Case& c : some_cases()) {
     const State unseen = run_case(c, *make_subject(), steps());
     const auto solver = make_subject();
     solver->load(c.scene, c.state);
@@ -102,7 +103,7 @@ TEST(Determinism, looking_does_not_disturb) {
 }
 
 TEST(Determinism, step_equals_its_stages) {
-  for (const cases::Case& c : some_cases()) {
+  for (const fixtures::Case& c : some_cases()) {
     const State whole = run_case(c, *make_subject(), steps());
     const auto solver = make_subject();
     solver->load(c.scene, c.state);

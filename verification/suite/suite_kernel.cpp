@@ -23,7 +23,7 @@ Real weight(const LoneParticles& lone, std::size_t p, const NodeIndex& n) {
 TEST(Kernel, weights) {
   FIRN_NEEDS_STOP(Stage::rasterize);
   LoneParticles lone(effort(10, 4));
-  cases::Random random(2);
+  fixtures::Random random(2);
   for (Vec3& v : lone.state.particles.v) v = rounded(random.vec3());
   const State state = run_through(lone.scene, lone.state, Stage::rasterize, 1e-4);
   const Grid& grid = state.grid;
@@ -93,7 +93,7 @@ TEST(Kernel, volumes) {
   Scene scene = plain_scene();
   State state;
   Particles& p = state.particles;
-  cases::Random random(9);
+  fixtures::Random random(9);
   p.resize(static_cast<std::size_t>(effort(400, 100)));
   for (std::size_t q = 0; q < p.size(); ++q) {
     for (int a = 0; a < 3; ++a) p.x[q][a] = spacing * std::floor(2.5 * random() * 4096) / 4096;
@@ -171,7 +171,7 @@ TEST(Kernel, gathered_fields) {
   FIRN_NEEDS_STOP(Stage::particle_velocities);
   LoneParticles lone(effort(8, 3), 5);
   lone.scene.flip = 0.75;
-  cases::Random random(6);
+  fixtures::Random random(6);
   const double dt = 0x1p-10;
   for (std::size_t p = 0; p < lone.size(); ++p) lone.state.particles.v[p] = rounded(random.vec3());
   State state = before_stage(lone.scene, lone.state, Stage::deformation, dt);
@@ -250,7 +250,7 @@ TEST(Kernel, origin_and_seam) {
 /// F' = (I − (Δt²V/m) τ diag(Σ N'²/N)/h²) F, v and x move on.
 TEST(Kernel, one_step_of_a_lone_particle) {
   LoneParticles lone(effort(6, 3), 7);
-  cases::Random random(8);
+  fixtures::Random random(8);
   Particles& p = lone.state.particles;
   const double dt = 0x1p-12, h = spacing;
   for (std::size_t q = 0; q < lone.size(); ++q) {

@@ -5,12 +5,13 @@
 
 #include "verification/check/check.hpp"
 #include "verification/suite/probes.hpp"
+#include "verification/support/snow_cases.hpp"
 
 namespace firn::suite {
 namespace {
 
 /// Each row of the check is a row here.
-void compare(const cases::Case& c, const CheckOptions& options) {
+void compare(const fixtures::Case& c, const CheckOptions& options) {
   const auto reference = subject().create_reference();
   const auto solver = make_subject();
   const CheckReport report = run_check(c.scene, c.state, *reference, *solver, options);
@@ -30,7 +31,7 @@ void compare(const cases::Case& c, const CheckOptions& options) {
                        report.first_divergence->message));
 }
 
-void lockstep(cases::Case c, std::int64_t start_step = 0) {
+void lockstep(fixtures::Case c, std::int64_t start_step = 0) {
   if (subject().slow) c.state.particles.resize(std::min<std::size_t>(c.state.particles.size(), 60));
   CheckOptions options;
   options.steps = c.steps;
@@ -38,14 +39,14 @@ void lockstep(cases::Case c, std::int64_t start_step = 0) {
   compare(c, options);
 }
 
-TEST(Lockstep, lump_on_a_slope) { lockstep(cases::lump_on_slope()); }
-TEST(Lockstep, lump_on_a_slope_later) { lockstep(cases::lump_on_slope(), 40); }
-TEST(Lockstep, periodic_lump) { lockstep(cases::periodic_lump()); }
-TEST(Lockstep, awkward_lump) { lockstep(cases::awkward_lump()); }
+TEST(Lockstep, lump_on_a_slope) { lockstep(fixtures::lump_on_slope()); }
+TEST(Lockstep, lump_on_a_slope_later) { lockstep(fixtures::lump_on_slope(), 40); }
+TEST(Lockstep, periodic_lump) { lockstep(fixtures::periodic_lump()); }
+TEST(Lockstep, awkward_lump) { lockstep(fixtures::awkward_lump()); }
 
 TEST(Lockstep, implicit_lump) {
   if (!solves_implicitly()) GTEST_SKIP() << "the solver takes explicit scenes only";
-  lockstep(cases::implicit_lump());
+  lockstep(fixtures::implicit_lump());
 }
 
 /// A case of adaptive steps has steps of its own choice in both runs.
@@ -53,14 +54,14 @@ TEST(FreeRunning, lump_on_a_slope) {
   CheckOptions options;
   options.mode = CheckMode::free_running;
   options.steps = effort(100, 5);
-  compare(cases::lump_on_slope(), options);
+  compare(fixtures::lump_on_slope(), options);
 }
 
 TEST(FreeRunning, periodic_lump) {
   CheckOptions options;
   options.mode = CheckMode::free_running;
   options.steps = effort(100, 5);
-  compare(cases::periodic_lump(), options);
+  compare(fixtures::periodic_lump(), options);
 }
 
 }  // namespace

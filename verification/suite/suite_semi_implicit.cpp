@@ -30,20 +30,9 @@ Scene implicit_scene(double beta) {
 }
 
 State random_snow(std::size_t n, double cells, std::uint64_t seed) {
-  cases::Random random(seed);
-  State state;
+  State state = rounded_snow(n, cells, seed, {.plastic_strain = 0.03});
   Particles& p = state.particles;
-  p.resize(n);
-  const double h = spacing;
-  for (std::size_t q = 0; q < n; ++q) {
-    for (int a = 0; a < 3; ++a) p.x[q][a] = h * std::floor(0.5 * cells * random() * 4096) / 4096;
-    p.v[q] = rounded(random.vec3());
-    p.m[q] = rounded(400 * h * h * h / 8 * (1 + 0.5 * random()));
-    p.V_0[q] = rounded(p.m[q] / 400);
-    p.F_E[q] = rounded(Mat3(Mat3::Identity() + 0.02 * random.mat3()));
-    p.F_P[q] = rounded(Mat3(Mat3::Identity() + 0.03 * random.mat3()));
-    p.id[q] = static_cast<std::int64_t>(q);
-  }
+  for (std::size_t q = 0; q < n; ++q) p.V_0[q] = rounded(p.m[q] / 400);
   return state;
 }
 

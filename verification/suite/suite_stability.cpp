@@ -58,7 +58,7 @@ bool stable(const Point& point, double cfl) {
   scene.flip = point.alpha;
   scene.materials[0].hardening = 10;
   if (!point.lone) scene.grid.periodic = spacing * Vec3(8, 4, 4);
-  cases::Random random(71);
+  fixtures::Random random(71);
   State state;
   Particles& p = state.particles;
   const int n = point.per_edge;

@@ -89,7 +89,7 @@ TEST(Svd, return_mapping_of_every_family) {
   const double low = m.smallest_elastic_stretch(), high = m.largest_elastic_stretch();
   State state = before_stage(lone.scene, lone.state, Stage::deformation, 1e-4);
   for (Vec3& v : state.grid.v_new) v.setZero();
-  cases::Random random(13);
+  fixtures::Random random(13);
   std::uint64_t seed = 200;
   for (const verification::Family& family : verification::svd_families()) {
     const std::vector<Mat3> F_hat = sample(family, lone.size(), seed++);

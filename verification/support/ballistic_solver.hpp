@@ -11,9 +11,9 @@
 
 #include "firn/error.hpp"
 #include "firn/solver.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/through_float.hpp"
 
-namespace firn::testing {
+namespace firn::fixtures {
 
 /// Particles in free flight, v ← v + Δt g, x ← x + Δt v summed with Kahan's
 /// compensation; F_E grows with time. Without its restart data (the
@@ -100,4 +100,4 @@ class BallisticSolver : public Solver {
   std::vector<Vec3> lost_digits_;
 };
 
-}  // namespace firn::testing
+}  // namespace firn::fixtures

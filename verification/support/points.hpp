@@ -8,7 +8,7 @@
 #include "firn/random.hpp"
 #include "firn/types.hpp"
 
-namespace firn {
+namespace firn::fixtures {
 
 /// Point p of a stream, uniform in the cube [−half, half]³ around `middle`.
 inline Vec3 random_point(std::uint64_t stream, std::int64_t p, const Vec3& middle, double half) {
@@ -26,4 +26,4 @@ inline Vec3 random_direction(std::uint64_t stream, std::int64_t p) {
   }
 }
 
-}  // namespace firn
+}  // namespace firn::fixtures

@@ -11,7 +11,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace firn::test {
+namespace firn::fixtures {
 
 namespace {
 
@@ -60,23 +60,4 @@ Outcome run_firn(const std::vector<std::string>& words, const std::filesystem::p
   return outcome;
 }
 
-TemporaryFolder::TemporaryFolder() {
-  std::string pattern = (std::filesystem::temp_directory_path() / "firn-cli-XXXXXX").string();
-  if (mkdtemp(pattern.data()) == nullptr) throw std::runtime_error("mkdtemp failed");
-  path_ = pattern;
-}
-
-TemporaryFolder::~TemporaryFolder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path_, ignored);
-}
-
-std::vector<std::string> TemporaryFolder::files() const {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(path_))
-    names.push_back(entry.path().filename().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
-
-}  // namespace firn::test
+}  // namespace firn::fixtures

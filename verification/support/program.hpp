@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace firn::test {
+#include "verification/support/temporary_folder.hpp"
+
+namespace firn::fixtures {
 
 struct Outcome {
   int status = -1;  ///< exit status; 128 + signal if it was killed
@@ -17,16 +19,4 @@ struct Outcome {
 Outcome run_firn(const std::vector<std::string>& words, const std::filesystem::path& folder,
                  std::chrono::milliseconds interrupt_after = {});
 
-/// An empty folder of its own, removed with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  const std::filesystem::path& path() const { return path_; }
-  std::vector<std::string> files() const;
-
- private:
-  std::filesystem::path path_;
-};
-
-}  // namespace firn::test
+}  // namespace firn::fixtures

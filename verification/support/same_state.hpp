@@ -6,7 +6,7 @@
 
 #include "firn/state.hpp"
 
-namespace firn::testing {
+namespace firn::fixtures {
 
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
@@ -26,4 +26,4 @@ inline ::testing::AssertionResult same_particles(const Particles& a, const Parti
   return ::testing::AssertionSuccess();
 }
 
-}  // namespace firn::testing
+}  // namespace firn::fixtures

@@ -1,37 +1,8 @@
 #include "verification/support/snow_cases.hpp"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
 #include <cmath>
 
-namespace firn::cases {
-
-double Random::operator()() { return std::ldexp(static_cast<double>(engine_() >> 11), -52) - 1; }
-
-Vec3 Random::vec3() {
-  const double x = (*this)(), y = (*this)(), z = (*this)();
-  return {x, y, z};
-}
-
-Mat3 Random::mat3() {
-  Mat3 m;
-  for (int row = 0; row < 3; ++row) m.row(row) = vec3();
-  return m;
-}
-
-Mat3 Random::rotation() {
-  const Mat3 Q = Eigen::HouseholderQR<Mat3>(mat3()).householderQ();
-  return Q.determinant() < 0 ? Mat3(-Q) : Q;
-}
-
-void random_particle(Random& random, double h, Particles& p, std::size_t i) {
-  p.v[i] = random.vec3();
-  p.m[i] = 400 * h * h * h / 8 * (1 + 0.5 * random());
-  p.V_0[i] = h * h * h / 8;
-  p.F_E[i] = Mat3::Identity() + 0.02 * random.mat3();
-  p.F_P[i] = Mat3::Identity() + 0.05 * random.mat3();
-  p.id[i] = static_cast<std::int64_t>(i);
-}
+namespace firn::fixtures {
 
 namespace {
 
@@ -67,18 +38,13 @@ Scene snow_scene() {
 
 /// n particles in a cube around the grid's origin; a few have just been made (F_E = I).
 State lump(const Scene& scene, std::size_t n, double half_width, std::uint64_t seed) {
-  Random random(seed);
-  State state;
+  State state = random_snow(scene, n, half_width, seed,
+                            {.velocity = Vec3(1, 0.3, -2), .velocity_spread = 0.7, .strain = 0.03});
   Particles& p = state.particles;
-  p.resize(n);
   for (std::size_t q = 0; q < n; ++q) {
-    p.x[q] = scene.wrap(scene.grid.origin + half_width * random.vec3());
-    p.v[q] = Vec3(1, 0.3, -2) + 0.7 * random.vec3();
-    p.m[q] = 50 * h * h * h * (1 + 0.5 * random());
+    p.x[q] = scene.wrap(p.x[q]);
     p.V_0[q] = q % 2 == 0 ? p.m[q] / 390 : 0;
     p.material[q] = q % 3 == 0 ? 1 : 0;
-    p.F_E[q] = Mat3::Identity() + 0.03 * random.mat3();
-    p.F_P[q] = Mat3::Identity() + 0.05 * random.mat3();
     p.id[q] = static_cast<std::int64_t>(n - q);
     if (q % 16 == 7) p.F_E[q].setIdentity();
   }
@@ -187,4 +153,4 @@ std::vector<Case> snow_cases() {
   return {lump_on_slope(), periodic_lump(), awkward_lump(), implicit_lump()};
 }
 
-}  // namespace firn::cases
+}  // namespace firn::fixtures

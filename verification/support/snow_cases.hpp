@@ -4,31 +4,14 @@
 /// colliders that move and turn, a grid whose origin is not zero, particles on both sides of
 /// it. The same bits on every machine.
 
-#include <random>
 #include <string>
 #include <vector>
 
 #include "firn/scene.hpp"
 #include "firn/state.hpp"
+#include "verification/support/snow.hpp"
 
-namespace firn::cases {
-
-/// Uniform numbers in [−1, 1].
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  double operator()();
-  Vec3 vec3();
-  Mat3 mat3();
-  Mat3 rotation();
-
- private:
-  std::mt19937_64 engine_;
-};
-
-/// Particle i but for its place: an eighth of a cell of snow, half as much to half as much again,
-/// up to 1 m/s along each axis, elastic and plastic deformations of a few per cent.
-void random_particle(Random& random, double h, Particles& particles, std::size_t i);
+namespace firn::fixtures {
 
 struct Case {
   std::string name;
@@ -57,4 +40,4 @@ Case far_lump();
 /// Those near the origin: all but far_lump().
 std::vector<Case> snow_cases();
 
-}  // namespace firn::cases
+}  // namespace firn::fixtures

@@ -6,7 +6,7 @@
 #include "firn/error.hpp"
 #include "io/mesh/mesh_shape.hpp"
 #include "io/scene/scene_file.hpp"
-#include "verification/support/dice.hpp"
+#include "verification/support/random.hpp"
 
 namespace firn {
 
@@ -24,7 +24,7 @@ class Draw {
     const int materials = dice_.integer(1, 2);
     for (int i = 0; i < materials; ++i) scene_.materials.push_back(material(i));
     time_and_integrator();
-    scene_.flip = dice_.chance(0.3) ? dice_.integer(0, 1) : dice_.between(0, 1);
+    scene_.flip = dice_.chance(0.3) ? dice_.integer(0, 1) : dice_.uniform(0, 1);
     // A fall of up to a hundredth of a cell each step.
     if (dice_.chance(0.7)) scene_.gravity = dice_.vector(0.01 * h_ / (dt_ * dt_));
     const int bodies = dice_.integer(1, 3);
@@ -36,7 +36,7 @@ class Draw {
 
  private:
   void grid() {
-    h_ = scene_.grid.spacing = dice_.log_between(0.01, 1);
+    h_ = scene_.grid.spacing = dice_.log_uniform(0.01, 1);
     // Far away from zero, coordinates lose digits; the bounds have to know.
     const double away = dice_.chance(0.2) ? 1000 * h_ : 10 * h_;
     if (dice_.chance(0.7)) scene_.grid.origin = dice_.vector(away);
@@ -46,19 +46,19 @@ class Draw {
       // Near the period's range: where things wrapped far away, turning colliders would be fast.
       scene_.grid.periodic[axis] = dice_.integer(4, 12) * h_;
       center_[axis] =
-          scene_.grid.origin[axis] + dice_.between(-0.5, 1.5) * scene_.grid.periodic[axis];
+          scene_.grid.origin[axis] + dice_.uniform(-0.5, 1.5) * scene_.grid.periodic[axis];
     }
   }
 
   Material material(int index) {
     Material m;
     m.name = index == 0 ? "snow" : "slush";
-    m.youngs_modulus = dice_.log_between(1e2, 1e7);
-    m.poisson_ratio = dice_.chance(0.2) ? 0 : dice_.between(-0.3, 0.45);
-    m.density = dice_.log_between(10, 3000);
-    m.hardening = dice_.chance(0.2) ? 0 : dice_.between(0, 20);
-    m.critical_compression = dice_.log_between(1e-3, 0.5);
-    m.critical_stretch = dice_.log_between(1e-3, 0.5);
+    m.youngs_modulus = dice_.log_uniform(1e2, 1e7);
+    m.poisson_ratio = dice_.chance(0.2) ? 0 : dice_.uniform(-0.3, 0.45);
+    m.density = dice_.log_uniform(10, 3000);
+    m.hardening = dice_.chance(0.2) ? 0 : dice_.uniform(0, 20);
+    m.critical_compression = dice_.log_uniform(1e-3, 0.5);
+    m.critical_stretch = dice_.log_uniform(1e-3, 0.5);
     if (dice_.chance(0.2))
       m.critical_compression = m.critical_stretch = std::numeric_limits<double>::infinity();
     return m;
@@ -72,11 +72,11 @@ class Draw {
       c = std::max(c, std::sqrt((m.lambda_0() + 2 * m.mu_0()) / m.density));
     IntegratorSettings& integrator = scene_.integrator;
     const bool semi_implicit = options_.semi_implicit && dice_.chance(0.25);
-    double courant = dice_.log_between(0.01, 0.3);
+    double courant = dice_.log_uniform(0.01, 0.3);
     if (semi_implicit) {
       integrator.type = IntegratorType::semi_implicit;
-      integrator.implicitness = dice_.chance(0.5) ? 1 : dice_.between(0, 1);
-      integrator.tolerance = dice_.log_between(1e-6, 1e-3);
+      integrator.implicitness = dice_.chance(0.5) ? 1 : dice_.uniform(0, 1);
+      integrator.tolerance = dice_.log_uniform(1e-6, 1e-3);
       integrator.max_iterations = 5000;
       courant *= 5;
     }
@@ -87,8 +87,8 @@ class Draw {
     time.adaptive = dice_.chance(0.3);
     time.step = dt_;
     time.max_step = dt_;
-    time.cfl = dice_.between(0.1, 0.6);
-    time.elastic_cfl = courant * dice_.between(0.5, 1.5);
+    time.cfl = dice_.uniform(0.1, 0.6);
+    time.elastic_cfl = courant * dice_.uniform(0.5, 1.5);
   }
 
   /// A point near the middle of things.
@@ -105,7 +105,7 @@ class Draw {
   /// A solid of `cells` across, or thereabouts.
   Shape shape(double low, double high) {
     const Vec3 x = near(3);
-    const auto size = [&] { return h_ * dice_.between(low, high); };
+    const auto size = [&] { return h_ * dice_.uniform(low, high); };
     if (!options_.mesh_file.empty() && dice_.chance(0.05)) {
       const double scale = size();
       Shape mesh = load_mesh_shape(options_.mesh_file, scale, x, h_);
@@ -143,8 +143,8 @@ class Draw {
         b.sampling == Sampling::lattice ? side * side * side : dice_.integer(1, 20);
     b.seed = static_cast<std::uint64_t>(dice_.integer(0, 1000000));
     if (b.sampling != Sampling::poisson && dice_.chance(0.5)) b.volumes = VolumeSource::exact;
-    b.velocity = velocity(dice_.log_between(1e-3, 0.5));
-    b.angular_velocity = velocity(dice_.log_between(1e-3, 0.1)) / h_;
+    b.velocity = velocity(dice_.log_uniform(1e-3, 0.5));
+    b.angular_velocity = velocity(dice_.log_uniform(1e-3, 0.1)) / h_;
     return b;
   }
 
@@ -168,14 +168,14 @@ class Draw {
     else
       c.shape = c.inside ? shape(4, 10) : shape(0.5, 5);
     c.sticky = dice_.chance(0.25);
-    if (!c.sticky) c.friction = dice_.chance(0.3) ? 0 : dice_.log_between(0.01, 3);
-    if (dice_.chance(0.5)) c.velocity = velocity(dice_.log_between(1e-3, 0.3));
-    if (dice_.chance(0.4)) c.angular_velocity = velocity(dice_.log_between(1e-3, 0.1)) / h_;
+    if (!c.sticky) c.friction = dice_.chance(0.3) ? 0 : dice_.log_uniform(0.01, 3);
+    if (dice_.chance(0.5)) c.velocity = velocity(dice_.log_uniform(1e-3, 0.3));
+    if (dice_.chance(0.4)) c.angular_velocity = velocity(dice_.log_uniform(1e-3, 0.1)) / h_;
     c.center = dice_.chance(0.7) ? center(c.shape) : near(3);
     return c;
   }
 
-  Dice dice_;
+  fixtures::Dice dice_;
   const RandomOptions& options_;
   Scene scene_;
   double h_ = 1, dt_ = 1;
@@ -198,9 +198,9 @@ Scene through_toml(const Scene& scene, std::int64_t max_particles) {
 RandomCase random_case(std::uint64_t seed, const RandomOptions& options) {
   // What the reader refuses (a body wider than a period, or without a particle) is drawn anew.
   for (std::int64_t attempt = 0;; ++attempt) {
-    Dice dice(hash_words(seed, {attempt, 1}));
+    fixtures::Dice dice(hash_words(seed, {attempt, 1}));
     RandomCase c;
-    c.start_step = dice.chance(0.4) ? 0 : static_cast<std::int64_t>(dice.log_between(1, 60));
+    c.start_step = dice.chance(0.4) ? 0 : static_cast<std::int64_t>(dice.log_uniform(1, 60));
     c.steps = dice.integer(1, 4);
     try {
       c.scene = Draw(hash_words(seed, {attempt, 2}), options)();

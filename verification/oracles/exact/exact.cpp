@@ -1,7 +1,6 @@
 #include "verification/oracles/exact/exact.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "verification/oracles/exact/exact_parts.hpp"
 
@@ -9,44 +8,19 @@ namespace firn::exact {
 
 namespace parts {
 
-Material elastic_material() {
-  Material m;
-  m.name = "elastic";
-  m.hardening = 0;
-  m.critical_compression = m.critical_stretch = std::numeric_limits<double>::infinity();
-  return m;
-}
-
 double sound_speed(const Material& m) {
   return std::sqrt((m.lambda_0() + 2 * m.mu_0()) / m.density);
 }
 
 Scene elastic_scene(const std::string& name, double h, double dt, double alpha) {
-  Scene scene;
-  scene.name = name;
-  scene.grid.spacing = h;
-  scene.time.step = dt;
-  scene.time.end = 1e9;
-  scene.time.frames_per_second = 1;
+  Scene scene = fixtures::elastic_scene(name, h, dt);
   scene.flip = alpha;
-  scene.materials.push_back(elastic_material());
   return scene;
 }
 
 void fill(ExactProblem& problem, int cells_x, int cells_y, int cells_z) {
-  const double h = problem.scene.grid.spacing;
-  Particles& p = problem.initial.particles;
-  for (int i = 0; i < 2 * cells_x; ++i)
-    for (int j = 0; j < 2 * cells_y; ++j)
-      for (int k = 0; k < 2 * cells_z; ++k)
-        problem.X.push_back(0.5 * h * Vec3(i + 0.5, j + 0.5, k + 0.5));
-  p.resize(problem.X.size());
-  p.x = problem.X;
-  for (std::size_t at = 0; at < p.size(); ++at) {
-    p.V_0[at] = h * h * h / 8;
-    p.m[at] = problem.scene.materials.front().density * p.V_0[at];
-    p.id[at] = static_cast<std::int64_t>(at);
-  }
+  problem.initial = fixtures::lattice_block(problem.scene, {cells_x, cells_y, cells_z});
+  problem.X = problem.initial.particles.x;
 }
 
 }  // namespace parts

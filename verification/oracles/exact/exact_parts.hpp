@@ -4,11 +4,11 @@
 #include <string>
 
 #include "verification/oracles/exact/exact.hpp"
+#include "verification/support/scenes.hpp"
 
 namespace firn::exact::parts {
 
-/// Soft and purely elastic.
-Material elastic_material();
+using fixtures::elastic_material;
 
 /// c = √((λ+2μ)/ρ), about 20 m/s.
 double sound_speed(const Material& m);

@@ -7,7 +7,7 @@
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "bench/workload.hpp"
-#include "solvers/solvers.hpp"
+#include "verification/support/builtin_registry.hpp"
 
 namespace firn::bench {
 namespace {
@@ -15,9 +15,7 @@ namespace {
 /// Particles whose F_P moved in the last of `steps` steps.
 std::size_t yielding(Deformation deformation, int steps) {
   const Workload work = block(1000, deformation, 3);
-  Registry registry;
-  register_solvers(registry);
-  const auto solver = registry.create("reference", {});
+  const auto solver = fixtures::make_reference();
   solver->load(work.scene, work.state);
   State before, after;
   for (int i = 0; i < steps; ++i) {

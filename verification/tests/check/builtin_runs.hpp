@@ -19,7 +19,7 @@ struct Run {
 inline std::vector<Run> all_runs() {
   std::vector<Run> runs;
   for (const BuiltinScene& scene : builtin_scenes())
-    for (const SolverEntry& entry : registry().entries())
+    for (const SolverEntry& entry : builtin_registry().entries())
       for (const Precision precision : entry.precisions)
         if (entry.name != "reference")
           runs.push_back({std::string(scene.name), entry.name, precision});
@@ -32,12 +32,12 @@ inline std::string run_name(const testing::TestParamInfo<Run>& info) {
 
 inline void expect_valid(const Run& run, const CheckOptions& options) {
   const Scene scene = find_scene(run.scene);
-  if (scene.semi_implicit() && !registry().traits(run.solver).semi_implicit)
+  if (scene.semi_implicit() && !builtin_registry().traits(run.solver).semi_implicit)
     GTEST_SKIP() << run.solver << " has no semi-implicit integration";
   const auto reference = make_reference();
   SolverOptions solver_options;
   solver_options.precision = run.precision;
-  const auto subject = registry().create(run.solver, solver_options);
+  const auto subject = builtin_registry().create(run.solver, solver_options);
   const CheckReport report = run_check(scene, *reference, *subject, options);
   EXPECT_TRUE(report.valid()) << to_table(report);
   EXPECT_EQ(report.steps, options.steps);

@@ -1,19 +1,6 @@
 #include "verification/tests/check/solvers.hpp"
 
-#include "solvers/solvers.hpp"
-
 namespace firn::test {
-
-const Registry& registry() {
-  static const Registry registry = [] {
-    Registry all;
-    register_solvers(all);
-    return all;
-  }();
-  return registry;
-}
-
-std::unique_ptr<Solver> make_reference() { return registry().create("reference", {}); }
 
 Mistaken::Mistaken(Stage stage, Mistake mistake, std::vector<Stage> stops, Precision precision)
     : stage_(stage), mistake_(std::move(mistake)), inner_(make_reference()) {

@@ -6,15 +6,13 @@
 #include <memory>
 #include <string>
 
-#include "firn/registry.hpp"
 #include "firn/solver.hpp"
+#include "verification/support/builtin_registry.hpp"
 
 namespace firn::test {
 
-/// The built-in solvers.
-const Registry& registry();
-
-std::unique_ptr<Solver> make_reference();
+using fixtures::builtin_registry;
+using fixtures::make_reference;
 
 /// What a mistake may look at and spoil: the state before the stage and after it.
 struct StageRun {

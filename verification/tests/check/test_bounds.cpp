@@ -70,7 +70,7 @@ TEST(Stencil, on_a_node_the_weights_are_products_of_one_sixth_and_two_thirds) {
 TEST(Stencil, its_errors_bound_what_a_displacement_does) {
   const Scene scene = unit_grid();
   const Grid grid = block_of_nodes();
-  cases::Random random(1);
+  fixtures::Random random(1);
   const double step = 1e-4 * scene.grid.spacing;
   double sharpest = 0;
   for (int trial = 0; trial < 2000; ++trial) {
@@ -140,7 +140,7 @@ MatL tau(const Material& m, const Mat3& F_E, const Mat3& F_P) {
 
 TEST(Conditioning, stress_changes_no_more_than_its_bound) {
   const Material material;
-  cases::Random random(1);
+  fixtures::Random random(1);
   double sharpest = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const double strain = trial % 3 == 0 ? 0.02 : trial % 3 == 1 ? 0.3 : 0.7;
@@ -168,7 +168,7 @@ TEST(Conditioning, return_map_changes_no_more_than_its_bound) {
     const MatL F_E = p.U * p.sigma.asDiagonal() * p.V.transpose();
     return std::pair<MatL, MatL>(F_E, F_E.inverse() * F_hat * F_P);
   };
-  cases::Random random(1);
+  fixtures::Random random(1);
   double sharpest = 0;
   for (int trial = 0; trial < 3000; ++trial) {
     const double strain = trial % 3 == 0 ? 0.02 : trial % 3 == 1 ? 0.3 : 0.6;
@@ -262,7 +262,7 @@ TEST_P(Sensitivity, a_relative_error_of_1e_10_is_found) {
         default: return spoil(p.x);
       }
     });
-    const cases::Case c = cases::lump_on_slope();
+    const fixtures::Case c = fixtures::lump_on_slope();
     const auto reference = make_reference();
     const CheckReport report = run_check(c.scene, c.state, *reference, subject, {.steps = 1});
     ASSERT_FALSE(report.valid()) << name(field);

@@ -12,8 +12,8 @@ namespace firn::test {
 namespace {
 
 TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
-  for (const cases::Case& c :
-       {cases::lump_on_slope(), cases::implicit_lump(), cases::periodic_lump()}) {
+  for (const fixtures::Case& c :
+       {fixtures::lump_on_slope(), fixtures::implicit_lump(), fixtures::periodic_lump()}) {
     const auto reference = make_reference(), subject = make_reference();
     const CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = 3});
     EXPECT_TRUE(report.valid()) << to_table(report);
@@ -27,8 +27,8 @@ TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
 }
 
 TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
-  for (const cases::Case& c :
-       {cases::lump_on_slope(), cases::implicit_lump(), cases::periodic_lump()}) {
+  for (const fixtures::Case& c :
+       {fixtures::lump_on_slope(), fixtures::implicit_lump(), fixtures::periodic_lump()}) {
     const auto reference = make_reference();
     Rounding honest(Precision::float32), boastful(Precision::float64);
     const CheckReport as_float = run_check(c.scene, c.state, *reference, honest, {.steps = 5});
@@ -44,36 +44,37 @@ TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
 /// Every registered solver, from random states, at the start and after some steps.
 TEST(Lockstep, registered_solvers_agree_on_the_lumps) {
   int runs = 0;
-  const auto expect_valid = [&](const cases::Case& c, const CheckOptions& check_options) {
-    for (const SolverEntry& entry : registry().entries())
+  const auto expect_valid = [&](const fixtures::Case& c, const CheckOptions& check_options) {
+    for (const SolverEntry& entry : builtin_registry().entries())
       for (const Precision precision : entry.precisions) {
         SCOPED_TRACE(entry.name + " " + std::string(name(precision)));
         SolverOptions options;
         options.precision = precision;
         const auto reference = make_reference();
-        const auto subject = registry().create(entry.name, options);
+        const auto subject = builtin_registry().create(entry.name, options);
         const CheckReport report = run_check(c.scene, c.state, *reference, *subject, check_options);
         EXPECT_TRUE(report.valid()) << to_table(report);
         ++runs;
       }
   };
-  for (const cases::Case& c : {cases::lump_on_slope(), cases::far_lump(), cases::periodic_lump()})
+  for (const fixtures::Case& c :
+       {fixtures::lump_on_slope(), fixtures::far_lump(), fixtures::periodic_lump()})
     for (const std::int64_t start_step : {0, 40})
       expect_valid(c, {.steps = 2, .start_step = start_step});
   // An inverted F_E turns F_P over in the first step, which hardens by e^20: the method
   // itself goes no further.
-  expect_valid(cases::awkward_lump(), {.steps = 1});
+  expect_valid(fixtures::awkward_lump(), {.steps = 1});
   EXPECT_GE(runs, 7);
 }
 
 TEST(FreeRunning, registered_solvers_stay_together) {
-  for (const SolverEntry& entry : registry().entries())
+  for (const SolverEntry& entry : builtin_registry().entries())
     for (const Precision precision : entry.precisions)
-      for (const cases::Case& c : {cases::lump_on_slope(), cases::periodic_lump()}) {
+      for (const fixtures::Case& c : {fixtures::lump_on_slope(), fixtures::periodic_lump()}) {
         SolverOptions options;
         options.precision = precision;
         const auto reference = make_reference();
-        const auto subject = registry().create(entry.name, options);
+        const auto subject = builtin_registry().create(entry.name, options);
         const CheckReport report = run_check(c.scene, c.state, *reference, *subject,
                                              {.mode = CheckMode::free_running, .steps = 200});
         EXPECT_TRUE(report.valid()) << to_table(report);

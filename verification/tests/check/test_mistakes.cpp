@@ -12,7 +12,7 @@
 namespace firn::test {
 namespace {
 
-CheckReport check(const cases::Case& c, Solver& subject, CheckOptions options = {.steps = 2}) {
+CheckReport check(const fixtures::Case& c, Solver& subject, CheckOptions options = {.steps = 2}) {
   const auto reference = make_reference();
   return run_check(c.scene, c.state, *reference, subject, options);
 }
@@ -24,7 +24,7 @@ TEST_P(Planted, is_found_in_its_stage) {
   // Also with the wider bounds of float: all of these are far above its roundoff.
   for (const Precision precision : {Precision::float64, Precision::float32}) {
     Mistaken subject(mistake.stage, mistake.apply, {}, precision);
-    const CheckReport report = check(cases::lump_on_slope(), subject);
+    const CheckReport report = check(fixtures::lump_on_slope(), subject);
     ASSERT_FALSE(report.valid()) << to_table(report);
     const Divergence& first = *report.first_divergence;
     EXPECT_EQ(first.step, 0);
@@ -43,7 +43,7 @@ TEST_P(Planted, is_found_in_its_stage) {
 
 TEST_P(Planted, is_found_in_whole_steps_only) {
   Mistaken subject(GetParam().stage, GetParam().apply, {Stage::positions});
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->from, Stage::rasterize);
   EXPECT_EQ(report.first_divergence->through, Stage::positions);
@@ -53,7 +53,7 @@ TEST_P(Planted, is_found_within_the_stretch_between_two_stops) {
   const std::vector<Stage> stops = {Stage::volumes, Stage::grid_velocities, Stage::integration,
                                     Stage::positions};
   Mistaken subject(GetParam().stage, GetParam().apply, stops);
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   const Divergence& first = *report.first_divergence;
   EXPECT_LE(first.from, GetParam().stage);
@@ -64,7 +64,7 @@ TEST_P(Planted, is_found_within_the_stretch_between_two_stops) {
 TEST_P(Planted, is_found_when_running_freely) {
   Mistaken subject(GetParam().stage, GetParam().apply);
   const CheckReport report =
-      check(cases::lump_on_slope(), subject, {.mode = CheckMode::free_running, .steps = 10});
+      check(fixtures::lump_on_slope(), subject, {.mode = CheckMode::free_running, .steps = 10});
   EXPECT_FALSE(report.valid()) << to_table(report);
 }
 
@@ -76,7 +76,7 @@ class Fault : public testing::TestWithParam<Stage> {};
 
 TEST_P(Fault, an_exception_is_the_subjects_and_names_the_stage) {
   Mistaken subject(GetParam(), [](const StageRun&) { throw std::runtime_error("out of luck"); });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
   EXPECT_NE(report.first_divergence->message.find("out of luck"), std::string::npos);
@@ -84,14 +84,14 @@ TEST_P(Fault, an_exception_is_the_subjects_and_names_the_stage) {
 
 TEST_P(Fault, something_thrown_that_is_no_exception) {
   Mistaken subject(GetParam(), [](const StageRun&) { throw 42; });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
 }
 
 TEST_P(Fault, a_lost_particle) {
   Mistaken subject(GetParam(), [](const StageRun& run) { run.after.particles.v.pop_back(); });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
   EXPECT_NE(report.first_divergence->message.find("v holds 259 entries for 260 particles"),
@@ -107,7 +107,7 @@ TEST_P(Fault, a_field_that_the_stage_has_no_business_with) {
     else
       run.after.particles.v[5][0] += 1e-9;
   });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
   EXPECT_EQ(*report.first_divergence->field, late ? Field::particle_F_P : Field::particle_velocity);
@@ -118,14 +118,14 @@ TEST_P(Fault, particles_in_another_order) {
     std::swap(run.after.particles.id[0], run.after.particles.id[1]);
     std::swap(run.after.particles.x[0], run.after.particles.x[1]);
   });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
 }
 
 TEST_P(Fault, a_solver_that_stays_where_it_was) {
   Mistaken subject(GetParam(), [](const StageRun& run) { run.after = run.before; });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
 }
@@ -137,7 +137,7 @@ TEST(Faults, unsorted_nodes_and_missing_nodes) {
   Mistaken unsorted(Stage::grid_forces, [](const StageRun& run) {
     std::swap(run.after.grid.node[0], run.after.grid.node[1]);
   });
-  const CheckReport first = check(cases::lump_on_slope(), unsorted);
+  const CheckReport first = check(fixtures::lump_on_slope(), unsorted);
   ASSERT_FALSE(first.valid());
   EXPECT_EQ(first.first_divergence->through, Stage::grid_forces);
 
@@ -149,7 +149,7 @@ TEST(Faults, unsorted_nodes_and_missing_nodes) {
     grid.m.erase(grid.m.begin() + heaviest);
     grid.v.erase(grid.v.begin() + heaviest);
   });
-  const CheckReport second = check(cases::lump_on_slope(), missing);
+  const CheckReport second = check(fixtures::lump_on_slope(), missing);
   ASSERT_FALSE(second.valid());
   EXPECT_EQ(second.first_divergence->through, Stage::rasterize);
   EXPECT_EQ(*second.first_divergence->field, Field::node_mass);
@@ -164,7 +164,7 @@ TEST(Faults, a_node_out_of_nowhere) {
     grid.m.push_back(1e-12);
     grid.v.push_back(Vec3::Zero());
   });
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, Stage::rasterize);
 }
@@ -209,7 +209,7 @@ TEST(ImplicitSolve, its_own_mistakes_are_found_in_stage_6) {
   for (const auto& plant : planted) {
     SCOPED_TRACE(plant.name);
     Mistaken subject(Stage::integration, plant.mistake);
-    const CheckReport report = check(cases::implicit_lump(), subject, {.steps = 1});
+    const CheckReport report = check(fixtures::implicit_lump(), subject, {.steps = 1});
     ASSERT_FALSE(report.valid()) << to_table(report);
     EXPECT_EQ(report.first_divergence->from, Stage::integration);
     EXPECT_EQ(report.first_divergence->through, Stage::integration);
@@ -224,7 +224,7 @@ TEST(Faults, positions_that_are_not_wrapped) {
   Mistaken subject(Stage::positions, [](const StageRun& run) {
     for (Vec3& x : run.after.particles.x) x[0] += run.scene.grid.periodic[0];
   });
-  const CheckReport report = check(cases::periodic_lump(), subject);
+  const CheckReport report = check(fixtures::periodic_lump(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, Stage::positions);
 }
@@ -242,7 +242,7 @@ class FusedDiffers final : public Mistaken {
 
 TEST(Faults, a_fused_step_that_differs_in_one_bit) {
   FusedDiffers subject;
-  const CheckReport report = check(cases::lump_on_slope(), subject);
+  const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_NE(report.first_divergence->message.find("step() equals its stages bit for bit"),
             std::string::npos);
@@ -250,7 +250,7 @@ TEST(Faults, a_fused_step_that_differs_in_one_bit) {
 }
 
 TEST(Faults, what_cannot_be_checked_is_bad_input) {
-  const cases::Case c = cases::lump_on_slope();
+  const fixtures::Case c = fixtures::lump_on_slope();
   const auto reference = make_reference(), subject = make_reference();
   EXPECT_THROW(run_check(c.scene, c.state, *reference, *subject, {.steps = 0}), InputError);
   EXPECT_THROW(run_check(c.scene, c.state, *reference, *subject, {.steps = 1, .start_step = -1}),

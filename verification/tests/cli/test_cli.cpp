@@ -12,6 +12,10 @@
 namespace firn::test {
 namespace {
 
+using fixtures::Outcome;
+using fixtures::run_firn;
+using fixtures::TemporaryFolder;
+
 using Words = std::vector<std::string>;
 
 std::ptrdiff_t lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }

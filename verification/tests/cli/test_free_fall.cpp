@@ -13,6 +13,10 @@
 namespace firn::test {
 namespace {
 
+using fixtures::Outcome;
+using fixtures::run_firn;
+using fixtures::TemporaryFolder;
+
 class FreeFall : public testing::TestWithParam<const char*> {};
 
 TEST_P(FreeFall, CenterOfMassFollowsTheDiscreteParabola) {

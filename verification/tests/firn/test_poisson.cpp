@@ -11,6 +11,8 @@
 namespace firn {
 namespace {
 
+using fixtures::random_point;
+
 double smallest_distance(const std::vector<Vec3>& points, const Vec3& period) {
   double smallest = 1e9;
   for (std::size_t p = 0; p < points.size(); ++p)

@@ -11,6 +11,8 @@
 namespace firn {
 namespace {
 
+using fixtures::random_direction;
+
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 TEST(Rotation, SineAndCosineAgreeWithExtendedPrecision) {

@@ -13,6 +13,9 @@
 namespace firn {
 namespace {
 
+using fixtures::random_direction;
+using fixtures::random_point;
+
 SampledDistance sample(const std::function<double(const Vec3&)>& field, const Vec3& origin,
                        double spacing, const std::array<int, 3>& size) {
   std::vector<float> phi;

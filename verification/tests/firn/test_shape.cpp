@@ -11,6 +11,9 @@
 namespace firn {
 namespace {
 
+using fixtures::random_direction;
+using fixtures::random_point;
+
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // Distances here are of size 1 and made of a few operations on numbers up to 3.

@@ -5,31 +5,22 @@
 #include <gtest/gtest.h>
 #include <set>
 
-#include "firn/registry.hpp"
 #include "io/scene/scene_file.hpp"
-#include "solvers/solvers.hpp"
 #include "verification/fuzz/random/compare.hpp"
 #include "verification/mutants/mutants.hpp"
+#include "verification/support/builtin_registry.hpp"
 
 namespace firn {
 namespace {
 
-const Registry& registry() {
-  static const Registry all = [] {
-    Registry r;
-    register_solvers(r);
-    return r;
-  }();
-  return all;
-}
-
-std::unique_ptr<Solver> make_reference() { return registry().create("reference", {}); }
+using fixtures::builtin_registry;
+using fixtures::make_reference;
 
 MakeSolver optimized(Precision precision) {
   return [=] {
     SolverOptions options;
     options.precision = precision;
-    return registry().create("optimized", options);
+    return builtin_registry().create("optimized", options);
   };
 }
 

@@ -12,6 +12,10 @@
 namespace firn::test {
 namespace {
 
+using fixtures::Outcome;
+using fixtures::run_firn;
+using fixtures::TemporaryFolder;
+
 struct Fault {
   const char* name;  ///< "place fault" of the library, or the command's fault
   const char* says;  ///< in the report

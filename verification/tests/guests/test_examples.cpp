@@ -9,6 +9,10 @@
 namespace firn::test {
 namespace {
 
+using fixtures::Outcome;
+using fixtures::run_firn;
+using fixtures::TemporaryFolder;
+
 #ifdef FIRN_PYTHON
 const std::string python_guest =
     "exec:" FIRN_PYTHON " " FIRN_SOURCE_DIR "/examples/python/mpm.py {in} {out} {steps}";

@@ -47,7 +47,8 @@ ALLOWED = {
     "guests": ["firn", "io"],
     # The checker knows solvers as the interface has them.
     "verification/check": ["firn"],
-    "verification/oracles": ["firn"],
+    "verification/oracles": ["firn", "verification/support/random_numbers.hpp",
+                             "verification/support/scenes.hpp"],
     # Wrong solvers are made of the right one's stages.
     "verification/mutants": ["firn", "reference"],
     "verification/support": ["firn", "io", "simulation", SOLVERS],

@@ -4,23 +4,19 @@
 #include <set>
 
 #include "firn/error.hpp"
-#include "solvers/solvers.hpp"
 #include "verification/check/check.hpp"
 #include "verification/mutants/mutants.hpp"
+#include "verification/support/builtin_registry.hpp"
 #include "verification/support/snow_cases.hpp"
 
 namespace firn {
 namespace {
 
-std::unique_ptr<Solver> make_reference() {
-  Registry registry;
-  register_solvers(registry);
-  return registry.create("reference", {});
-}
+using fixtures::make_reference;
 
 /// The first case that finds it; an empty report if none does.
 CheckReport first_failure(const std::string& solver) {
-  for (const cases::Case& c : cases::snow_cases()) {
+  for (const fixtures::Case& c : fixtures::snow_cases()) {
     const auto reference = make_reference();
     const auto subject = solver.empty() ? make_reference() : mutant_family().create(solver, {});
     CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = c.steps});

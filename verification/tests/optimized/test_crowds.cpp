@@ -60,7 +60,7 @@ struct CrowdedSnow {
     if (periodic) scene.grid.periodic = Vec3::Constant(4 * h);
     scene.materials.push_back(Material{});
     scene.integrator = {IntegratorType::semi_implicit, 1, 1e-9, 2000};
-    cases::Random random(7);
+    fixtures::Random random(7);
     std::vector<int> cell_of;
     for (std::size_t k = 0; k < crowd.cells.size(); ++k)
       cell_of.insert(cell_of.end(), static_cast<std::size_t>(crowd.counts[k]), crowd.cells[k]);
@@ -73,7 +73,7 @@ struct CrowdedSnow {
       while (std::gcd(stride, n) != 1) ++stride;
       const int c = cell_of[i * stride % n];
       p.x[i] = h * (Vec3(c / 16, c / 4 % 4, c % 4) + Vec3::Constant(0.5) + 0.499 * random.vec3());
-      cases::random_particle(random, h, p, i);
+      fixtures::random_particle(random, h, p, i);
     }
   }
   Scene scene;

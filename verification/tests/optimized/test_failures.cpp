@@ -7,7 +7,8 @@
 #include "io/trajectory/reader.hpp"
 #include "simulation/simulate.hpp"
 #include "verification/support/same_state.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/temporary_folder.hpp"
+#include "verification/support/through_float.hpp"
 #include "verification/tests/optimized/snow_scenes.hpp"
 
 namespace firn::test {
@@ -52,7 +53,7 @@ TEST_P(Failures, StateIsLostAndTheSolverSaysSo) {
 
 TEST_P(Failures, ARunEndsWithTheLastGoodState) {
   const Scene scene = falls_too_fast();
-  const testing::TemporaryFolder folder;
+  const fixtures::TemporaryFolder folder;
   RunOptions options;
   options.output = folder / "out.vtkhdf";
   const auto solver = optimized(GetParam(), 2);
@@ -69,8 +70,8 @@ TEST_P(Failures, ARunEndsWithTheLastGoodState) {
   EXPECT_EQ(reader.rows(), 13);
   State expected = after(scene, 13);
   if (GetParam() == Precision::float32)  // so does the file
-    expected.particles = testing::through_float(expected.particles);
-  EXPECT_TRUE(testing::same_particles(last.particles, expected.particles));
+    expected.particles = fixtures::through_float(expected.particles);
+  EXPECT_TRUE(fixtures::same_particles(last.particles, expected.particles));
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, Failures,

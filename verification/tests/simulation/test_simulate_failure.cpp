@@ -13,16 +13,17 @@
 #include "simulation/simulate.hpp"
 #include "verification/support/ballistic_solver.hpp"
 #include "verification/support/same_state.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/scenes.hpp"
+#include "verification/support/temporary_folder.hpp"
 
 namespace firn {
 namespace {
 
-using testing::adaptive_scene;
-using testing::BallisticSolver;
-using testing::same_particles;
-using testing::TemporaryFolder;
-using testing::tiny_scene;
+using fixtures::adaptive_scene;
+using fixtures::BallisticSolver;
+using fixtures::same_particles;
+using fixtures::TemporaryFolder;
+using fixtures::tiny_scene;
 
 std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

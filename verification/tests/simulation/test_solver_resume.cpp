@@ -4,26 +4,17 @@
 #include <fstream>
 #include <gtest/gtest.h>
 
-#include "firn/registry.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory/reader.hpp"
 #include "simulation/simulate.hpp"
-#include "solvers/solvers.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/builtin_registry.hpp"
+#include "verification/support/temporary_folder.hpp"
 
 namespace firn {
 namespace {
 
-using testing::TemporaryFolder;
-
-const Registry& builtin() {
-  static const Registry registry = [] {
-    Registry solvers;
-    register_solvers(solvers);
-    return solvers;
-  }();
-  return registry;
-}
+using fixtures::builtin_registry;
+using fixtures::TemporaryFolder;
 
 struct ResumeCase {
   std::string solver;
@@ -38,7 +29,7 @@ void PrintTo(const ResumeCase& c, std::ostream* out) {
 /// Every solver in every precision it has, with fixed and with adaptive steps.
 std::vector<ResumeCase> all_cases() {
   std::vector<ResumeCase> cases;
-  for (const SolverEntry& entry : builtin().entries())
+  for (const SolverEntry& entry : builtin_registry().entries())
     for (const Precision precision : entry.precisions)
       for (const bool adaptive : {false, true}) cases.push_back({entry.name, precision, adaptive});
   return cases;
@@ -66,7 +57,7 @@ TEST_P(SolverResumes, FromEveryFrameEqualsTheUninterruptedRun) {
   const Scene scene = impact(resumed.adaptive);
   const auto run = [&](const std::filesystem::path& output, const std::filesystem::path& from,
                        std::int64_t frame) {
-    const auto solver = builtin().create(resumed.solver, {resumed.precision, 1});
+    const auto solver = builtin_registry().create(resumed.solver, {resumed.precision, 1});
     RunOptions options;
     options.output = output;
     options.steps = 60;

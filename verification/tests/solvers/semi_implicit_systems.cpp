@@ -3,27 +3,14 @@
 #include <cmath>
 #include <ostream>
 
-#include "solvers/solvers.hpp"
 #include "verification/check/implicit_residual.hpp"
-#include "verification/support/snow_cases.hpp"
+#include "verification/support/builtin_registry.hpp"
+#include "verification/support/snow.hpp"
 
 namespace firn::test {
 
-namespace {
-
-const Registry& registry() {
-  static const Registry registry = [] {
-    Registry all;
-    register_solvers(all);
-    return all;
-  }();
-  return registry;
-}
-
-}  // namespace
-
 std::unique_ptr<Solver> Subject::create(int threads) const {
-  return registry().create(name, {precision, threads});
+  return fixtures::builtin_registry().create(name, {precision, threads});
 }
 
 std::string text(const Subject& subject) {
@@ -34,49 +21,14 @@ void PrintTo(const Subject& subject, std::ostream* out) { *out << text(subject);
 
 std::vector<Subject> subjects() {
   std::vector<Subject> all;
-  for (const SolverEntry& entry : registry().entries())
-    if (registry().traits(entry.name).semi_implicit)
+  for (const SolverEntry& entry : fixtures::builtin_registry().entries())
+    if (fixtures::builtin_registry().traits(entry.name).semi_implicit)
       for (const Precision precision : entry.precisions) all.push_back({entry.name, precision});
   return all;
 }
 
-Scene implicit_scene(double beta) {
-  Scene scene;
-  scene.grid.spacing = 0.1;
-  scene.time.step = 1e-4;
-  scene.materials.push_back(Material{});
-  scene.integrator = {IntegratorType::semi_implicit, beta, 1e-12, 2000};
-  return scene;
-}
-
 State random_snow(const Scene& scene, std::size_t n, double cells, std::uint64_t seed) {
-  cases::Random random(seed);
-  State state;
-  Particles& p = state.particles;
-  p.resize(n);
-  const double h = scene.grid.spacing;
-  for (std::size_t i = 0; i < n; ++i) {
-    p.x[i] = 0.5 * cells * h * random.vec3();
-    cases::random_particle(random, h, p, i);
-  }
-  return state;
-}
-
-State lattice_block(const Scene& scene, int n) {
-  State state;
-  Particles& p = state.particles;
-  const double h = scene.grid.spacing;
-  p.resize(static_cast<std::size_t>(8 * n * n * n));
-  std::size_t q = 0;
-  for (int i = 0; i < 2 * n; ++i)
-    for (int j = 0; j < 2 * n; ++j)
-      for (int k = 0; k < 2 * n; ++k, ++q) {
-        p.x[q] = 0.5 * h * (Vec3(i, j, k) + Vec3::Constant(0.5));
-        p.V_0[q] = h * h * h / 8;
-        p.m[q] = scene.materials[0].density * p.V_0[q];
-        p.id[q] = static_cast<std::int64_t>(q);
-      }
-  return state;
+  return fixtures::random_snow(scene, n, 0.5 * cells * scene.grid.spacing, seed);
 }
 
 Solved::Solved(const Scene& s, const State& state, const Subject& subject, double dt) : scene(s) {

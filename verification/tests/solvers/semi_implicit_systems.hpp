@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "firn/registry.hpp"
+#include "verification/support/scenes.hpp"
 
 namespace firn::test {
 
@@ -23,15 +24,10 @@ std::string text(const Subject& subject);
 /// Every registered solver with semi-implicit integration, in every precision.
 std::vector<Subject> subjects();
 
-/// h = 0.1, no gravity, no colliders, the paper's snow, β = 1, tolerance 1e-12.
-Scene implicit_scene(double beta = 1);
+using fixtures::implicit_scene;
 
-/// n particles strewn over a cube of `cells` cells around the origin, with random masses,
-/// velocities, and elastic and plastic deformations of a few per cent; exact volumes.
+/// n particles strewn over a cube of `cells` cells around the origin.
 State random_snow(const Scene& scene, std::size_t n, double cells, std::uint64_t seed);
-
-/// A block of n³ cells of undeformed snow at rest, 8 particles per cell on a lattice.
-State lattice_block(const Scene& scene, int n);
 
 /// Stage 6 of one step: the state before it, after it, and what it reported.
 struct Solved {

@@ -22,7 +22,7 @@ TEST_P(Dynamics, FixedTimeDiffersFromExplicitByFirstOrder) {
   scene.flip = 1;  // PIC damps once per step: with α < 1 the limit Δt → 0 is another problem
   scene.materials[0].critical_compression = scene.materials[0].critical_stretch =
       std::numeric_limits<double>::infinity();
-  State initial = lattice_block(scene, 3);
+  State initial = fixtures::lattice_block(scene, {3, 3, 3});
   const double h = scene.grid.spacing;
   for (std::size_t p = 0; p < initial.particles.size(); ++p)
     initial.particles.v[p] = 0.1 * Vec3(std::sin(9 * initial.particles.x[p][1] / h), 0,

@@ -262,7 +262,7 @@ TEST(MixedSolve, DustBesideSnowIsNotFlungAway) {
   Scene scene = implicit_scene();
   scene.integrator.tolerance = 1e-8;
   State state = random_snow(scene, 40, 1, 17);
-  cases::Random random(3);
+  fixtures::Random random(3);
   const double h = scene.grid.spacing;
   for (std::size_t p = 0; p < 40; ++p) {
     Particles& all = state.particles;
@@ -366,7 +366,7 @@ TEST_P(Solve, LightNodesTakePart) {
 /// stage against the reference, in steps that are large for the hardest of them.
 TEST_P(Solve, CheckIsValidOnAwkwardSnow) {
   if (GetParam().name == "reference") GTEST_SKIP() << "the reference against itself";
-  for (cases::Case snow : {cases::implicit_lump(), cases::awkward_lump()}) {
+  for (fixtures::Case snow : {fixtures::implicit_lump(), fixtures::awkward_lump()}) {
     snow.scene.integrator = {IntegratorType::semi_implicit, 0.8, 1e-7, 20000};
     const auto reference = Subject{"reference", Precision::float64}.create();
     const auto solver = GetParam().create();

@@ -12,6 +12,8 @@
 namespace firn {
 namespace {
 
+using fixtures::random_point;
+
 using testing::HasSubstr;
 
 constexpr double s = 0.05, radius = 0.6;

@@ -14,6 +14,9 @@
 namespace firn {
 namespace {
 
+using fixtures::random_direction;
+using fixtures::random_point;
+
 using testing::HasSubstr;
 
 const SampledDistance& sampled(const Shape& shape) {

@@ -10,6 +10,8 @@
 namespace firn {
 namespace {
 
+using fixtures::random_point;
+
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 TEST(TriangleDistance, PencilCases) {

@@ -5,9 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "firn/registry.hpp"
 #include "io/scene/scene_file.hpp"
-#include "solvers/solvers.hpp"
+#include "verification/support/builtin_registry.hpp"
 
 namespace firn {
 
@@ -20,9 +19,7 @@ struct SceneRun {
 
   explicit SceneRun(const std::string& name)
       : scene(find_scene(name)), state(initial_state(scene)) {
-    Registry registry;
-    register_solvers(registry);
-    solver = registry.create("reference", {});
+    solver = fixtures::make_reference();
     solver->load(scene, state);
   }
 

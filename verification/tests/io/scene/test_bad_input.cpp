@@ -14,11 +14,15 @@
 #include "io/mesh/mesh_shape.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory/writer.hpp"
-#include "verification/support/fresh_folder.hpp"
 #include "verification/support/program.hpp"
+#include "verification/support/temporary_folder.hpp"
 
 namespace firn {
 namespace {
+
+using fixtures::Outcome;
+using fixtures::run_firn;
+using fixtures::TemporaryFolder;
 
 const std::filesystem::path document = FIRN_SOURCE_DIR "/docs/error_messages.md";
 
@@ -116,7 +120,7 @@ void expect_from_program(const std::filesystem::path& folder, const std::vector<
   check = !check;
   std::vector<std::string> words = {check ? "check" : "run"};
   words.insert(words.end(), scene.begin(), scene.end());
-  const test::Outcome outcome = test::run_firn(words, folder);
+  const Outcome outcome = run_firn(words, folder);
   EXPECT_EQ(outcome.status, 2) << words[0];
   EXPECT_EQ(outcome.out, "") << words[0];
   EXPECT_EQ(outcome.err, "firn: " + message + "\n") << words[0];
@@ -141,7 +145,7 @@ TEST(BadInput, TheSceneOfTheDocumentIsGood) {
 
 TEST(BadInput, Scenes) {
   const std::string good = good_scene();
-  const test::TemporaryFolder folder;
+  const TemporaryFolder folder;
   const int cases = check_table("## Scenes", [&](const std::vector<std::string>& row) {
     const std::string from = unescaped(row.at(0)), to = unescaped(row.at(1));
     const std::size_t at = good.find(from);
@@ -267,7 +271,8 @@ std::map<std::string, Case> mesh_cases(const std::filesystem::path& folder) {
 }
 
 TEST(BadInput, Files) {
-  const auto folder = fresh_folder("firn_bad_input");
+  const fixtures::TemporaryFolder temporary;
+  const auto& folder = temporary.path();
   std::filesystem::create_directories(folder / "folder.toml");
   std::filesystem::current_path(folder);
   write("empty.toml", "");

@@ -12,7 +12,7 @@
 #include "io/scene/builtin_scenes.hpp"
 #include "io/scene/scene_file.hpp"
 #include "io/trajectory/writer.hpp"
-#include "verification/support/fresh_folder.hpp"
+#include "verification/support/temporary_folder.hpp"
 
 namespace firn {
 namespace {
@@ -122,7 +122,9 @@ State write_trajectory(const std::filesystem::path& path) {
 }
 
 TEST(SceneFile, ParticlesComeFromTheLastFrame) {
-  const auto folder = fresh_folder("firn scene \"quoted\"");
+  const fixtures::TemporaryFolder temporary;
+  const auto folder = temporary / "firn scene \"quoted\"";
+  std::filesystem::create_directories(folder);
   const State state = write_trajectory(folder / "state.vtkhdf");
   std::string text = full_scene();
   const std::size_t begin = text.find("[[body]]"), end = text.find("[[collider]]");
@@ -148,7 +150,8 @@ TEST(SceneFile, ParticlesComeFromTheLastFrame) {
 }
 
 TEST(SceneFile, MeshesKeepTheirFileAndPlace) {
-  const auto folder = fresh_folder("mesh");
+  const fixtures::TemporaryFolder temporary;
+  const auto& folder = temporary.path();
   // A cube of edge 1, with its corner at the origin.
   std::ofstream(folder / "cube.obj")
       << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n"
@@ -189,7 +192,8 @@ TEST(SceneFile, ScaleRefinesGridAndSteps) {
 }
 
 TEST(SceneFile, AnExistingFileIsReadAndNamesAreBuiltIn) {
-  const auto folder = fresh_folder("firn_find_scene");
+  const fixtures::TemporaryFolder temporary;
+  const auto& folder = temporary.path();
   std::filesystem::current_path(folder);
   std::ofstream("column.toml") << full_scene();
   std::ofstream("column") << full_scene();

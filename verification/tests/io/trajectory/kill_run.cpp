@@ -12,7 +12,7 @@
 
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
-  const firn::Scene scene = firn::testing::kill_scene(argv[1]);
+  const firn::Scene scene = firn::fixtures::kill_scene(argv[1]);
   firn::Precision precision = firn::Precision::float64;
   firn::RunOptions options;
   options.output = argv[2];
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
     const std::string line = std::to_string(frame.frame) + " " + std::to_string(frame.step) + "\n";
     if (write(STDOUT_FILENO, line.data(), line.size()) < 0) _exit(1);
   };
-  firn::testing::BallisticSolver solver(precision);
+  firn::fixtures::BallisticSolver solver(precision);
   const firn::RunResult result = firn::simulate(scene, solver, options);
   if (!result.message.empty()) std::fprintf(stderr, "%s\n", result.message.c_str());
   return result.exit_status();

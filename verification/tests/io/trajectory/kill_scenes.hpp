@@ -4,9 +4,9 @@
 
 #include <string>
 
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/scenes.hpp"
 
-namespace firn::testing {
+namespace firn::fixtures {
 
 /// "fixed": 12 steps, 4 frames. "adaptive": 3 frames, Δt falls to a tenth, so that the
 /// file has to grow for the rows and shrink in the end.
@@ -24,4 +24,4 @@ inline Scene kill_scene(const std::string& kind) {
   return scene;
 }
 
-}  // namespace firn::testing
+}  // namespace firn::fixtures

@@ -14,13 +14,14 @@
 #include "io/hdf5/id.hpp"
 #include "io/trajectory/reader.hpp"
 #include "io/trajectory/writer.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/scenes.hpp"
+#include "verification/support/temporary_folder.hpp"
 
 namespace firn {
 namespace {
 
-using testing::odd_particles;
-using testing::TemporaryFolder;
+using fixtures::odd_particles;
+using fixtures::TemporaryFolder;
 using Path = std::filesystem::path;
 
 /// Two frames of five particles, two rows.

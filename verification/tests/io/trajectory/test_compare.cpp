@@ -6,13 +6,14 @@
 #include "firn/error.hpp"
 #include "io/trajectory/compare.hpp"
 #include "io/trajectory/writer.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/scenes.hpp"
+#include "verification/support/temporary_folder.hpp"
 
 namespace firn {
 namespace {
 
-using testing::odd_particles;
-using testing::TemporaryFolder;
+using fixtures::odd_particles;
+using fixtures::TemporaryFolder;
 
 /// Frames at t = 0, 0.1, 0.2 s of five particles, ids 4 … 0.
 std::vector<State> three_frames() {

@@ -19,6 +19,7 @@
 #include "simulation/simulate.hpp"
 #include "verification/support/ballistic_solver.hpp"
 #include "verification/support/same_state.hpp"
+#include "verification/support/temporary_folder.hpp"
 #include "verification/tests/io/trajectory/kill_scenes.hpp"
 
 extern char** environ;
@@ -26,10 +27,10 @@ extern char** environ;
 namespace firn {
 namespace {
 
-using testing::BallisticSolver;
-using testing::kill_scene;
-using testing::same_particles;
-using testing::TemporaryFolder;
+using fixtures::BallisticSolver;
+using fixtures::kill_scene;
+using fixtures::same_particles;
+using fixtures::TemporaryFolder;
 
 std::string bytes_of(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

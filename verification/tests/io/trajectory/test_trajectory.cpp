@@ -12,15 +12,17 @@
 #include "io/trajectory/reader.hpp"
 #include "io/trajectory/writer.hpp"
 #include "verification/support/same_state.hpp"
-#include "verification/support/tiny_scene.hpp"
+#include "verification/support/scenes.hpp"
+#include "verification/support/temporary_folder.hpp"
+#include "verification/support/through_float.hpp"
 
 namespace firn {
 namespace {
 
-using testing::odd_particles;
-using testing::same_particles;
-using testing::TemporaryFolder;
-using testing::tiny_scene;
+using fixtures::odd_particles;
+using fixtures::same_particles;
+using fixtures::TemporaryFolder;
+using fixtures::tiny_scene;
 
 TrajectoryInfo some_info(Precision precision) {
   return {"somebody", precision, 3, "1.2.3", "a processor", "name = \"θ\"\n"};
@@ -75,7 +77,7 @@ void expect_trajectory(const std::filesystem::path& path, int count, int particl
     EXPECT_EQ(found.step, expected.step);
     EXPECT_TRUE(same_particles(found.particles, precision == Precision::float64
                                                     ? expected.particles
-                                                    : testing::through_float(expected.particles)))
+                                                    : fixtures::through_float(expected.particles)))
         << "frame " << k;
     EXPECT_EQ(reader.restart(k), some_bytes(restart_size, k));
   }
