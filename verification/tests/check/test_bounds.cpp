@@ -51,7 +51,7 @@ std::vector<StencilNode> stencil_at(const Scene& scene, const Particles& p, cons
   return nodes;
 }
 
-TEST(Stencil, on_a_node_the_weights_are_products_of_one_sixth_and_two_thirds) {
+TEST(Stencil, OnANodeTheWeightsAreProductsOfOneSixthAndTwoThirds) {
   const Scene scene = unit_grid();
   const auto nodes = stencil_at(scene, one_particle(Vec3::Zero()), block_of_nodes(), 0);
   double sum = 0;
@@ -67,7 +67,7 @@ TEST(Stencil, on_a_node_the_weights_are_products_of_one_sixth_and_two_thirds) {
   EXPECT_NEAR(largest, 8.0 / 27, 1e-15);
 }
 
-TEST(Stencil, its_errors_bound_what_a_displacement_does) {
+TEST(Stencil, ItsErrorsBoundWhatADisplacementDoes) {
   const Scene scene = unit_grid();
   const Grid grid = block_of_nodes();
   fixtures::Random random(1);
@@ -96,7 +96,7 @@ TEST(Stencil, its_errors_bound_what_a_displacement_does) {
   EXPECT_GT(sharpest, 0.9);
 }
 
-TEST(Stencil, a_node_across_the_cell_boundary_is_foreseen) {
+TEST(Stencil, ANodeAcrossTheCellBoundaryIsForeseen) {
   const Scene scene = unit_grid();
   // A hair above the boundary of cells: node −2 is out of reach along x, but a rounded
   // position may touch it. The reference's grid does not hold it.
@@ -138,7 +138,7 @@ MatL tau(const Material& m, const Mat3& F_E, const Mat3& F_P) {
                       m.lambda_0() * (J - 1) * J * MatL::Identity());
 }
 
-TEST(Conditioning, stress_changes_no_more_than_its_bound) {
+TEST(Conditioning, StressChangesNoMoreThanItsBound) {
   const Material material;
   fixtures::Random random(1);
   double sharpest = 0;
@@ -157,7 +157,7 @@ TEST(Conditioning, stress_changes_no_more_than_its_bound) {
   EXPECT_GT(sharpest, 0.2);
 }
 
-TEST(Conditioning, return_map_changes_no_more_than_its_bound) {
+TEST(Conditioning, ReturnMapChangesNoMoreThanItsBound) {
   const Material material;
   const auto map = [&](const MatL& F_hat, const MatL& F_P) {
     PolarL p = svd(F_hat);
@@ -196,14 +196,14 @@ Scene floor_with_friction() {
   return scene;
 }
 
-TEST(Contact, in_the_air_nothing_is_added) {
+TEST(Contact, InTheAirNothingIsAdded) {
   const auto b = check::contact_bounds(floor_with_friction(), {0, 0, 0.1}, Vec3::Constant(1e-10),
                                        {1, 0, -1}, 1e-9, 0, 1e-16);
   EXPECT_EQ(b.v, 1e-9);
   EXPECT_EQ(b.free_directions, 0);
 }
 
-TEST(Contact, on_the_surface_both_answers_are_right) {
+TEST(Contact, OnTheSurfaceBothAnswersAreRight) {
   const Vec3 v(1, 0, -1);
   const auto b = check::contact_bounds(floor_with_friction(), {0, 0, 1e-12}, Vec3::Constant(1e-10),
                                        v, 1e-15, 0, 1e-16);
@@ -212,14 +212,14 @@ TEST(Contact, on_the_surface_both_answers_are_right) {
   EXPECT_LE(b.v, 2 * std::hypot(0.4, 1.0));
 }
 
-TEST(Contact, inside_the_bound_is_that_of_the_velocity) {
+TEST(Contact, InsideTheBoundIsThatOfTheVelocity) {
   const auto b = check::contact_bounds(floor_with_friction(), {0, 0, -0.1}, Vec3::Constant(1e-10),
                                        {1, 0, -1}, 1e-9, 0, 1e-16);
   EXPECT_GE(b.v, 1e-9);
   EXPECT_LE(b.v, 2e-9);
 }
 
-TEST(Contact, at_the_edge_of_a_box_the_normal_is_in_doubt) {
+TEST(Contact, AtTheEdgeOfABoxTheNormalIsInDoubt) {
   Scene scene = floor_with_friction();
   scene.colliders[0].shape = Box{Vec3::Constant(-1), Vec3::Constant(0)};
   // Inside, as far from the top as from the side: the normal is x or z.
@@ -231,7 +231,7 @@ TEST(Contact, at_the_edge_of_a_box_the_normal_is_in_doubt) {
 /// A relative error of 1e-10 in the largest number of any field is found in double.
 class Sensitivity : public testing::TestWithParam<Stage> {};
 
-TEST_P(Sensitivity, a_relative_error_of_1e_10_is_found) {
+TEST_P(Sensitivity, ARelativeErrorInTheTenthDigitIsFound) {
   const Stage stage = GetParam();
   const auto spoil = [](auto& values) {
     const auto largest =

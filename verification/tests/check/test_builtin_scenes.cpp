@@ -5,7 +5,7 @@ namespace {
 
 class SceneOfOurs : public testing::TestWithParam<Run> {};
 
-TEST_P(SceneOfOurs, is_valid_at_its_start) { expect_valid(GetParam(), {.steps = 2}); }
+TEST_P(SceneOfOurs, IsValidAtItsStart) { expect_valid(GetParam(), {.steps = 2}); }
 
 INSTANTIATE_TEST_SUITE_P(Builtin, SceneOfOurs, testing::ValuesIn(all_runs()), run_name);
 

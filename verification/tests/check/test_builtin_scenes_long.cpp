@@ -8,7 +8,7 @@ namespace {
 
 class MiddleOfScene : public testing::TestWithParam<Run> {};
 
-TEST_P(MiddleOfScene, is_valid) {
+TEST_P(MiddleOfScene, IsValid) {
   const Scene scene = find_scene(GetParam().scene);
   const double dt = scene.time.adaptive ? scene.time.max_step : scene.time.step;
   CheckOptions options{.steps = 3};

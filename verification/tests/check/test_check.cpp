@@ -11,7 +11,7 @@
 namespace firn::test {
 namespace {
 
-TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
+TEST(Lockstep, TheReferenceAgreesWithItselfToTheLastBit) {
   for (const fixtures::Case& c :
        {fixtures::lump_on_slope(), fixtures::implicit_lump(), fixtures::periodic_lump()}) {
     const auto reference = make_reference(), subject = make_reference();
@@ -26,7 +26,7 @@ TEST(Lockstep, the_reference_agrees_with_itself_to_the_last_bit) {
   }
 }
 
-TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
+TEST(Lockstep, FloatRoundingIsValidInFloatAndInvalidInDouble) {
   for (const fixtures::Case& c :
        {fixtures::lump_on_slope(), fixtures::implicit_lump(), fixtures::periodic_lump()}) {
     const auto reference = make_reference();
@@ -42,7 +42,7 @@ TEST(Lockstep, float_rounding_is_valid_in_float_and_invalid_in_double) {
 }
 
 /// Every registered solver, from random states, at the start and after some steps.
-TEST(Lockstep, registered_solvers_agree_on_the_lumps) {
+TEST(Lockstep, RegisteredSolversAgreeOnTheLumps) {
   int runs = 0;
   const auto expect_valid = [&](const fixtures::Case& c, const CheckOptions& check_options) {
     for (const SolverEntry& entry : builtin_registry().entries())
@@ -67,7 +67,7 @@ TEST(Lockstep, registered_solvers_agree_on_the_lumps) {
   EXPECT_GE(runs, 7);
 }
 
-TEST(FreeRunning, registered_solvers_stay_together) {
+TEST(FreeRunning, RegisteredSolversStayTogether) {
   for (const SolverEntry& entry : builtin_registry().entries())
     for (const Precision precision : entry.precisions)
       for (const fixtures::Case& c : {fixtures::lump_on_slope(), fixtures::periodic_lump()}) {

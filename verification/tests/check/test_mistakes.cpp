@@ -19,7 +19,7 @@ CheckReport check(const fixtures::Case& c, Solver& subject, CheckOptions options
 
 class Planted : public testing::TestWithParam<PlantedMistake> {};
 
-TEST_P(Planted, is_found_in_its_stage) {
+TEST_P(Planted, IsFoundInItsStage) {
   const PlantedMistake& mistake = GetParam();
   // Also with the wider bounds of float: all of these are far above its roundoff.
   for (const Precision precision : {Precision::float64, Precision::float32}) {
@@ -41,7 +41,7 @@ TEST_P(Planted, is_found_in_its_stage) {
   }
 }
 
-TEST_P(Planted, is_found_in_whole_steps_only) {
+TEST_P(Planted, IsFoundInWholeStepsOnly) {
   Mistaken subject(GetParam().stage, GetParam().apply, {Stage::positions});
   const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
@@ -49,7 +49,7 @@ TEST_P(Planted, is_found_in_whole_steps_only) {
   EXPECT_EQ(report.first_divergence->through, Stage::positions);
 }
 
-TEST_P(Planted, is_found_within_the_stretch_between_two_stops) {
+TEST_P(Planted, IsFoundWithinTheStretchBetweenTwoStops) {
   const std::vector<Stage> stops = {Stage::volumes, Stage::grid_velocities, Stage::integration,
                                     Stage::positions};
   Mistaken subject(GetParam().stage, GetParam().apply, stops);
@@ -61,7 +61,7 @@ TEST_P(Planted, is_found_within_the_stretch_between_two_stops) {
   EXPECT_EQ(first.through, *std::lower_bound(stops.begin(), stops.end(), GetParam().stage));
 }
 
-TEST_P(Planted, is_found_when_running_freely) {
+TEST_P(Planted, IsFoundWhenRunningFreely) {
   Mistaken subject(GetParam().stage, GetParam().apply);
   const CheckReport report =
       check(fixtures::lump_on_slope(), subject, {.mode = CheckMode::free_running, .steps = 10});
@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, Planted, testing::ValuesIn(planted_mistakes()
 /// Faults that no field shows: each in every stage.
 class Fault : public testing::TestWithParam<Stage> {};
 
-TEST_P(Fault, an_exception_is_the_subjects_and_names_the_stage) {
+TEST_P(Fault, AnExceptionIsTheSubjectsAndNamesTheStage) {
   Mistaken subject(GetParam(), [](const StageRun&) { throw std::runtime_error("out of luck"); });
   const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
@@ -82,14 +82,14 @@ TEST_P(Fault, an_exception_is_the_subjects_and_names_the_stage) {
   EXPECT_NE(report.first_divergence->message.find("out of luck"), std::string::npos);
 }
 
-TEST_P(Fault, something_thrown_that_is_no_exception) {
+TEST_P(Fault, SomethingThrownThatIsNoException) {
   Mistaken subject(GetParam(), [](const StageRun&) { throw 42; });
   const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
   EXPECT_EQ(report.first_divergence->through, GetParam());
 }
 
-TEST_P(Fault, a_lost_particle) {
+TEST_P(Fault, ALostParticle) {
   Mistaken subject(GetParam(), [](const StageRun& run) { run.after.particles.v.pop_back(); });
   const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
@@ -98,7 +98,7 @@ TEST_P(Fault, a_lost_particle) {
             std::string::npos);
 }
 
-TEST_P(Fault, a_field_that_the_stage_has_no_business_with) {
+TEST_P(Fault, AFieldThatTheStageHasNoBusinessWith) {
   // v_p before stage 8, F_P after stage 7: what the stage does not write must stay.
   const bool late = GetParam() >= Stage::particle_velocities;
   Mistaken subject(GetParam(), [late](const StageRun& run) {
@@ -113,7 +113,7 @@ TEST_P(Fault, a_field_that_the_stage_has_no_business_with) {
   EXPECT_EQ(*report.first_divergence->field, late ? Field::particle_F_P : Field::particle_velocity);
 }
 
-TEST_P(Fault, particles_in_another_order) {
+TEST_P(Fault, ParticlesInAnotherOrder) {
   Mistaken subject(GetParam(), [](const StageRun& run) {
     std::swap(run.after.particles.id[0], run.after.particles.id[1]);
     std::swap(run.after.particles.x[0], run.after.particles.x[1]);
@@ -123,7 +123,7 @@ TEST_P(Fault, particles_in_another_order) {
   EXPECT_EQ(report.first_divergence->through, GetParam());
 }
 
-TEST_P(Fault, a_solver_that_stays_where_it_was) {
+TEST_P(Fault, ASolverThatStaysWhereItWas) {
   Mistaken subject(GetParam(), [](const StageRun& run) { run.after = run.before; });
   const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
@@ -133,7 +133,7 @@ TEST_P(Fault, a_solver_that_stays_where_it_was) {
 INSTANTIATE_TEST_SUITE_P(Stages, Fault, testing::ValuesIn(all_stages),
                          [](const auto& info) { return std::string(name(info.param)); });
 
-TEST(Faults, unsorted_nodes_and_missing_nodes) {
+TEST(Faults, UnsortedNodesAndMissingNodes) {
   Mistaken unsorted(Stage::grid_forces, [](const StageRun& run) {
     std::swap(run.after.grid.node[0], run.after.grid.node[1]);
   });
@@ -155,7 +155,7 @@ TEST(Faults, unsorted_nodes_and_missing_nodes) {
   EXPECT_EQ(*second.first_divergence->field, Field::node_mass);
 }
 
-TEST(Faults, a_node_out_of_nowhere) {
+TEST(Faults, ANodeOutOfNowhere) {
   Mistaken subject(Stage::rasterize, [](const StageRun& run) {
     Grid& grid = run.after.grid;
     NodeIndex beyond = grid.node.back();
@@ -183,7 +183,7 @@ Mistake other_solve(std::function<void(Scene&, State&)> change) {
   };
 }
 
-TEST(ImplicitSolve, its_own_mistakes_are_found_in_stage_6) {
+TEST(ImplicitSolve, ItsOwnMistakesAreFoundInStage6) {
   const struct {
     const char* name;
     Mistake mistake;
@@ -220,7 +220,7 @@ TEST(ImplicitSolve, its_own_mistakes_are_found_in_stage_6) {
   }
 }
 
-TEST(Faults, positions_that_are_not_wrapped) {
+TEST(Faults, PositionsThatAreNotWrapped) {
   Mistaken subject(Stage::positions, [](const StageRun& run) {
     for (Vec3& x : run.after.particles.x) x[0] += run.scene.grid.periodic[0];
   });
@@ -240,7 +240,7 @@ class FusedDiffers final : public Mistaken {
   }
 };
 
-TEST(Faults, a_fused_step_that_differs_in_one_bit) {
+TEST(Faults, AFusedStepThatDiffersInOneBit) {
   FusedDiffers subject;
   const CheckReport report = check(fixtures::lump_on_slope(), subject);
   ASSERT_FALSE(report.valid());
@@ -249,7 +249,7 @@ TEST(Faults, a_fused_step_that_differs_in_one_bit) {
   for (const FieldCheck& row : report.fields) EXPECT_TRUE(row.valid);
 }
 
-TEST(Faults, what_cannot_be_checked_is_bad_input) {
+TEST(Faults, WhatCannotBeCheckedIsBadInput) {
   const fixtures::Case c = fixtures::lump_on_slope();
   const auto reference = make_reference(), subject = make_reference();
   EXPECT_THROW(run_check(c.scene, c.state, *reference, *subject, {.steps = 0}), InputError);

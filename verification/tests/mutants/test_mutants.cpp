@@ -26,7 +26,7 @@ CheckReport first_failure(const std::string& solver) {
   return {};
 }
 
-TEST(Mutants, are_at_least_sixty_of_different_names) {
+TEST(Mutants, AreAtLeastSixtyOfDifferentNames) {
   std::set<std::string> names;
   for (const Mutant& mutant : all_mutants()) {
     names.insert(mutant.name);
@@ -38,14 +38,14 @@ TEST(Mutants, are_at_least_sixty_of_different_names) {
   EXPECT_THROW(mutant_family().create("mutant:no_such_mistake", {}), InputError);
 }
 
-TEST(Mutants, unmutated_it_is_valid) {
+TEST(Mutants, UnmutatedItIsValid) {
   const CheckReport report = first_failure("");
   EXPECT_TRUE(report.valid()) << to_table(report);
 }
 
 class OneMutant : public testing::TestWithParam<Mutant> {};
 
-TEST_P(OneMutant, is_found_by_check_in_its_stage) {
+TEST_P(OneMutant, IsFoundByCheckInItsStage) {
   const Mutant& mutant = GetParam();
   const CheckReport report = first_failure("mutant:" + mutant.name);
   ASSERT_EQ(!report.valid(), mutant.check_sees_it) << to_table(report);
