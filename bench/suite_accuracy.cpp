@@ -4,65 +4,24 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "bench/exact.hpp"
+#include "bench/study.hpp"
 #include "bench/suites.hpp"
-#include "bench/timing.hpp"
 #include "firn/error.hpp"
+#include "verification/studies/convergence.hpp"
 
 namespace firn::bench {
 
 namespace {
 
+using exact::column, exact::manufactured, exact::standing_wave;
 using results::Quantity;
-using Make = ExactProblem (*)(int cells, double cfl, const AlphaPolicy&);
-
-const AlphaPolicy undamped{"1", 1, false}, usual{"0.95", 0.95, false}, pic{"0", 0, false},
-    per_time{"rate", 0, true};
-
-ExactProblem vortex_of_15_percent(int cells, double cfl, const AlphaPolicy& policy) {
-  return vortex(cells, cfl, policy, 0.15);
-}
-
-/// Runs the problem once. Seconds are those of the steps alone: handing the body
-/// force over through store() and load() is the harness's own business.
-double seconds_of(const ExactProblem& problem, Solver& solver, State& state) {
-  const double dt = problem.scene.time.step;
-  solver.load(problem.scene, problem.initial);
-  double seconds = 0;
-  for (int step = 0; step < problem.steps; ++step) {
-    if (interrupted()) throw Interrupted{};
-    if (problem.body_force) {
-      solver.store(state);
-      problem.push(state);
-      solver.load(problem.scene, state);
-    }
-    const double start = seconds_now();
-    solver.step(dt);
-    seconds += seconds_now() - start;
-  }
-  solver.store(state);
-  return seconds;
-}
-
-/// Explicit, or semi-implicit with β.
-struct Integration {
-  bool semi_implicit = false;
-  double beta = 0;
-
-  std::string text() const { return semi_implicit ? "implicit " + to_text(beta) : "explicit"; }
-  void set(Scene& scene) const {
-    if (!semi_implicit) return;
-    scene.integrator.type = IntegratorType::semi_implicit;
-    scene.integrator.implicitness = beta;
-    // Algebraic errors far below the discretization errors of 1e-3 that are reached here.
-    scene.integrator.tolerance = 1e-6;
-    scene.integrator.max_iterations = 2000;
-  }
-};
+using studies::AlphaPolicy, studies::Integration;
+using studies::undamped, studies::usual, studies::pic, studies::per_time;
+using studies::vortex_of_15_percent;
 
 struct Point {
   const char* problem;
-  Make make;
+  studies::MakeProblem make;
   int cells;
   double cfl;
   AlphaPolicy policy;
@@ -72,7 +31,7 @@ struct Point {
 
 void measure(const Registry& registry, const Subject& subject, const Point& point,
              results::Case& result) {
-  ExactProblem problem = point.make(point.cells, point.cfl, point.policy);
+  studies::ExactProblem problem = point.make(point.cells, point.cfl, point.policy);
   point.integration.set(problem.scene);
   result.parameters.emplace_back("particles", static_cast<double>(problem.X.size()));
   result.parameters.emplace_back("steps", static_cast<double>(problem.steps));
@@ -81,15 +40,15 @@ void measure(const Registry& registry, const Subject& subject, const Point& poin
       "error", "1",  "‖u_h − u‖/‖u‖ over the particles at the end", Quantity::Better::lower,
       {},      false};
   Quantity time{"time", "s", "wall time of the steps", Quantity::Better::lower, {}, false};
-  const auto solver = subject.create(registry);
-  State state;
+  const studies::Subject studied = study_subject(registry, subject);
+  const auto solver = studied.create();
   double total = 0;
   // Short runs three times; the error is the same each time, bit for bit.
   do {
-    const double seconds = seconds_of(problem, *solver, state);
-    time.values.push_back(seconds);
-    error.values.push_back(problem.relative_error(state));
-    total += seconds;
+    const studies::ConvergenceRun run = studies::run_exact(studied, *solver, problem);
+    time.values.push_back(run.seconds);
+    error.values.push_back(run.error);
+    total += run.seconds;
   } while (time.values.size() < 3 && total < 0.5);
   for (const double e : error.values) {
     if (!std::isfinite(e)) throw std::runtime_error("the displacements are not finite");

@@ -5,8 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "bench/study.hpp"
 #include "bench/suites.hpp"
-#include "bench/timing.hpp"
+#include "bench/workload.hpp"
+#include "verification/studies/float_drift.hpp"
 
 namespace firn::bench {
 
@@ -17,100 +19,41 @@ using results::Quantity;
 /// One number that is 0 in exact arithmetic.
 struct Test {
   const char *name, *title, *meaning;
-  double (*measure)(const Registry&, const Subject&, std::uint64_t seed);
+  double (*measure)(const studies::Subject&, std::uint64_t seed);
 };
-
-void advance(Solver& solver, const Scene& scene, int steps) {
-  for (int i = 0; i < steps; ++i) {
-    if (interrupted()) throw Interrupted{};
-    solver.step(scene.time.step);
-  }
-}
 
 /// 512 undeformed particles around x = 1 m, moving at 1 mm/s with Δt = 10 µs: 1e-8 m a
 /// step, below the resolution of a float at 1. How far did they get?
-double creep(const Registry& registry, const Subject& subject, std::uint64_t seed) {
+double creep(const studies::Subject& subject, std::uint64_t seed) {
   Workload work = block(512, Deformation::elastic, seed);
   work.scene.time.step = 1e-5;
-  Particles& p = work.state.particles;
-  for (std::size_t at = 0; at < p.size(); ++at) {
-    p.x[at] += Vec3::Ones();
-    p.v[at] = Vec3(1e-3, 0, 0);
-    p.F_E[at] = Mat3::Identity();
-  }
-  const auto solver = subject.create(registry);
-  solver->load(work.scene, work.state);
-  advance(*solver, work.scene, 1000);
-  State state;
-  solver->store(state);
-  double moved = 0;
-  for (std::size_t at = 0; at < p.size(); ++at) moved += state.particles.x[at].x() - p.x[at].x();
-  return std::abs(moved / static_cast<double>(p.size()) / 1e-5 - 1);
+  for (Vec3& x : work.state.particles.x) x += Vec3::Ones();
+  return std::abs(
+      studies::creep(subject, work.scene, work.state, Vec3(1e-3, 0, 0), 1000, 1e-5).x());
 }
 
 /// Stretching at 1e-3 /s with Δt = 10 µs: 1e-8 a step, less than float's eps at F = 1.
 /// Nearly without stiffness, so that only the kinematics count.
-double small_strain(const Registry& registry, const Subject& subject, std::uint64_t seed) {
-  constexpr int edge = 24;  // particles
-  Workload work = block(edge * edge * edge, Deformation::elastic, seed);
-  work.scene.time.step = 1e-5;
-  work.scene.flip = 1;
-  work.scene.materials.front().youngs_modulus = 1e-6;
-  Particles& p = work.state.particles;
-  // On a lattice the grid holds the linear field exactly, 2 cells and more from the surface.
-  const double h = work.scene.grid.spacing, middle = 0.25 * edge * h;
-  for (std::size_t at = 0; at < p.size(); ++at) {
-    const std::size_t i = at / (edge * edge), j = at / edge % edge, k = at % edge;
-    p.x[at] = 0.5 * h *
-              Vec3(static_cast<double>(i) + 0.5, static_cast<double>(j) + 0.5,
-                   static_cast<double>(k) + 0.5);
-    p.v[at] = Vec3(1e-3 * (p.x[at].x() - middle), 0, 0);
-    p.F_E[at] = Mat3::Identity();
-  }
-  const auto solver = subject.create(registry);
-  solver->load(work.scene, work.state);
-  constexpr int steps = 200;
-  advance(*solver, work.scene, steps);
-  State state;
-  solver->store(state);
-  double strain = 0;
-  int count = 0;
-  for (std::size_t at = 0; at < p.size(); ++at) {
-    // Their nodes reach 2h further, and those nodes' particles another 2h.
-    if ((p.x[at] - Vec3::Constant(middle)).cwiseAbs().maxCoeff() > 2 * h) continue;
-    strain += state.particles.F_E[at](0, 0) - 1;
-    ++count;
-  }
-  return std::abs(strain / count / (steps * 1e-8) - 1);
+double small_strain(const studies::Subject& subject, std::uint64_t seed) {
+  Scene scene = block(8, Deformation::elastic, seed).scene;
+  scene.time.step = 1e-5;
+  scene.flip = 1;
+  scene.materials.front().youngs_modulus = 1e-6;
+  // On a lattice the grid holds the linear field exactly, 2 cells and more from the surface: nodes
+  // of the particles within 2 h of the middle reach 2 h further, and those nodes' particles
+  // another 2 h.
+  studies::Stretch stretch;
+  stretch.half_width = 2 * scene.grid.spacing;
+  return studies::small_strain(subject, scene, stretch);
 }
 
-/// Largest |F_E| difference after 200 steps between a block at the origin and the same
-/// block 10⁴ spacings away (a power of two times h, so that the copies are exact).
-double far_away(const Registry& registry, const Subject& subject, std::uint64_t seed) {
-  State states[2];
-  for (const int far : {0, 1}) {
-    Workload work = block(4096, Deformation::plastic, seed);
-    work.scene.grid.spacing = 0.0625;
-    const double scale = 0.0625 / 0.05;
-    for (std::size_t at = 0; at < work.state.particles.size(); ++at) {
-      Vec3& x = work.state.particles.x[at];
-      // Few enough digits that adding the distance rounds nothing away.
-      for (int axis = 0; axis < 3; ++axis)
-        x[axis] = std::round(scale * x[axis] * 0x1p24) * 0x1p-24 + far * 640.0;
-    }
-    const auto solver = subject.create(registry);
-    solver->load(work.scene, work.state);
-    advance(*solver, work.scene, 100);
-    solver->store(states[far]);
-  }
-  double worst = 0;
-  for (std::size_t at = 0; at < states[0].particles.size(); ++at)
-    worst = std::max(worst, (states[0].particles.F_E[at] - states[1].particles.F_E[at]).norm());
-  return worst;
+/// The same block at the origin and 10⁴ spacings away.
+double far_away(const studies::Subject& subject, std::uint64_t seed) {
+  const Workload work = block(4096, Deformation::plastic, seed);
+  return studies::far_away(subject, work.scene, work.state, 640.0);
 }
 
-/// RMS velocity difference to the reference over the RMS velocity, after 10, 30, … 1000
-/// steps of an elastic block that rings at its own sound speed.
+/// An elastic block that rings at its own sound speed.
 std::vector<std::pair<int, double>> drift(const Registry& registry, const Subject& subject,
                                           std::uint64_t seed) {
   Workload work = block(2048, Deformation::elastic, seed);
@@ -118,26 +61,8 @@ std::vector<std::pair<int, double>> drift(const Registry& registry, const Subjec
   Particles& p = work.state.particles;
   for (std::size_t at = 0; at < p.size(); ++at)
     p.v[at] = Vec3(0.05 * std::sin(8 * p.x[at].x()), 0, 0);
-  const auto reference = registry.create("reference", {}), solver = subject.create(registry);
-  reference->load(work.scene, work.state);
-  solver->load(work.scene, work.state);
-  std::vector<std::pair<int, double>> drifted;
-  State mine, theirs;
-  int done = 0;
-  for (const int steps : {10, 30, 100, 300, 1000}) {
-    advance(*reference, work.scene, steps - done);
-    advance(*solver, work.scene, steps - done);
-    done = steps;
-    reference->store(theirs);
-    solver->store(mine);
-    double off = 0, size = 0;
-    for (std::size_t at = 0; at < p.size(); ++at) {
-      off += (mine.particles.v[at] - theirs.particles.v[at]).squaredNorm();
-      size += theirs.particles.v[at].squaredNorm();
-    }
-    drifted.emplace_back(steps, std::sqrt(off / size));
-  }
-  return drifted;
+  const auto reference = registry.create("reference", {});
+  return studies::drift(study_subject(registry, subject), *reference, work.scene, work.state);
 }
 
 constexpr Test tests[] = {
@@ -190,7 +115,7 @@ void plan_float_suite(const Registry& registry, const Options& options,
       subject.describe(plan.description);
       plan.quick = std::string(test.name) != "small strain";  // 10 s, for the same lesson
       plan.run = [&registry, test, subject, seed = options.seed](results::Case& result) {
-        const double error = test.measure(registry, subject, seed);
+        const double error = test.measure(study_subject(registry, subject), seed);
         if (!std::isfinite(error)) throw std::runtime_error("the result is not finite");
         result.quantities = {{"error", "1", test.meaning, Quantity::Better::lower, {error}, false}};
         result.validation = "the exact value is known";

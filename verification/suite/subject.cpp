@@ -13,6 +13,8 @@ const Subject& subject() { return the_subject; }
 
 std::unique_ptr<Solver> make_subject() { return the_subject.create(the_subject.threads); }
 
+studies::Subject study_subject() { return {make_subject, the_subject.precision}; }
+
 namespace {
 
 /// Asked once: a guest starts a program for it.

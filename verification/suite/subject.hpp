@@ -8,6 +8,7 @@
 
 #include "firn/registry.hpp"
 #include "firn/solver.hpp"
+#include "verification/studies/subject.hpp"
 
 namespace firn::suite {
 
@@ -27,6 +28,8 @@ const Subject& subject();
 
 /// A fresh one.
 std::unique_ptr<Solver> make_subject();
+/// The same for a study.
+studies::Subject study_subject();
 
 /// Unit roundoff spacing of the subject's numbers, 2^-52 or 2^-23.
 inline double eps() {

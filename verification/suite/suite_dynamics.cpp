@@ -1,23 +1,19 @@
 /// Motions with exact discrete or closed solutions.
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "firn/diagnostics.hpp"
-#include "verification/oracles/exact/exact.hpp"
+#include "verification/studies/convergence.hpp"
+#include "verification/studies/stability.hpp"
 #include "verification/suite/probes.hpp"
 
 namespace firn::suite {
 namespace {
 
-/// A plane wave u = A a(t) sin(kX) d along x on a periodic lattice. One step maps the amplitudes
-/// of strain and velocity linearly, so that any amplitude obeys
-///     a_{n+1} = tr a_n − det a_{n−1},
-///     det = α(1 − N̂²)(1 − z²/(1+b)) + N̂²/(1+b),   tr = α(1 − N̂²) + N̂²/(1+b) + 1 − z²/(1+b),
-/// N̂ = sinc⁴(kh/2), z = ckΔtN̂, b = βz².
+/// A plane wave u = A a(t) sin(kX) d along x on a periodic lattice; studies::wave_recurrence.
 struct Wave {
   int axis;  ///< of the motion: 0 P, 1 and 2 the two S
   double alpha, beta, cfl;
@@ -29,7 +25,7 @@ struct Wave {
 
 void plane_wave(const Wave& wave) {
   if (wave.beta > 0 && !solves_implicitly()) return;
-  constexpr int nodes = 16, per_axis = 2;
+  constexpr int nodes = 16;
   Scene scene = plain_scene();
   const double h = spacing, length = nodes * h, k = 2 * M_PI / length;
   scene.grid.periodic = Vec3(length, 4 * h, 4 * h);
@@ -47,21 +43,10 @@ void plane_wave(const Wave& wave) {
   // float, where they are above the roundoff of F − I by as much.
   const double A = in_float() ? 0x1p-13 : 0x1p-23;
 
-  State state;
+  State state = fixtures::lattice_block(scene, {nodes, 4, 4});
   Particles& p = state.particles;
-  std::vector<Vec3> X;
-  for (int i = 0; i < nodes * per_axis; ++i)
-    for (int j = 0; j < 4 * per_axis; ++j)
-      for (int l = 0; l < 4 * per_axis; ++l)
-        X.push_back(h / per_axis * (Vec3(i, j, l) + Vec3::Constant(0.5)));
-  p.resize(X.size());
-  p.x = X;
-  for (std::size_t q = 0; q < X.size(); ++q) {
-    p.v[q][wave.axis] = rounded(A * std::sin(k * X[q][0]));
-    p.V_0[q] = h * h * h / (per_axis * per_axis * per_axis);
-    p.m[q] = material.density * p.V_0[q];
-    p.id[q] = static_cast<std::int64_t>(q);
-  }
+  const std::vector<Vec3> X = p.x;
+  for (std::size_t q = 0; q < X.size(); ++q) p.v[q][wave.axis] = rounded(A * std::sin(k * X[q][0]));
   const auto amplitude = [&] {
     double sum = 0;
     for (std::size_t q = 0; q < X.size(); ++q) sum += std::sin(k * X[q][0]) * p.v[q][wave.axis];
@@ -74,11 +59,7 @@ void plane_wave(const Wave& wave) {
     solver->store(state);
     return amplitude();
   };
-  const double half = k * h / 2, N_hat = std::pow(std::sin(half) / half, 4), N2 = N_hat * N_hat;
-  const double z = c * k * dt * N_hat, b = wave.beta * z * z, z2 = z * z / (1 + b),
-               pic = N2 / (1 + b);
-  const double det = wave.alpha * (1 - N2) * (1 - z2) + pic,
-               tr = wave.alpha * (1 - N2) + pic + 1 - z2;
+  const auto [det, tr] = studies::wave_recurrence(wave.alpha, wave.beta, k * h, wave.cfl);
   double last = amplitude(), now = next_amplitude();
   for (int n = 0; n < effort(40, 3); ++n) {
     const double expected = tr * now - det * last;
@@ -109,31 +90,16 @@ TEST(Dynamics, long_plane_waves) {
         for (const double cfl : {0.2, 0.5, 1.0}) plane_wave({axis, alpha, beta, cfl});
 }
 
-using exact::AlphaPolicy;
-using exact::ExactProblem;
-using Make = std::function<ExactProblem(int cells, double cfl, const AlphaPolicy&)>;
+using studies::AlphaPolicy;
+using studies::order;
+using studies::pic;
+using studies::undamped;
+using studies::vortex_of_15_percent;
 
 /// Runs it and notes error and time for the plots.
-double error_of(const Make& make, int cells, double cfl, const AlphaPolicy& policy) {
-  const ExactProblem problem = make(cells, cfl, policy);
-  const double dt = problem.scene.time.step;
-  const auto solver = make_subject();
-  State state = problem.initial;
-  solver->load(problem.scene, state);
-  using Clock = std::chrono::steady_clock;
-  double seconds = 0;
-  for (int n = 0; n < problem.steps; ++n) {
-    if (problem.body_force) {
-      solver->store(state);
-      problem.push(state);
-      solver->load(problem.scene, state);
-    }
-    const auto start = Clock::now();
-    solver->step(dt);
-    seconds += std::chrono::duration<double>(Clock::now() - start).count();
-  }
-  solver->store(state);
-  const double error = problem.relative_error(state);
+double error_of(studies::MakeProblem make, int cells, double cfl, const AlphaPolicy& policy) {
+  const studies::ExactProblem problem = make(cells, cfl, policy);
+  const auto [error, seconds] = studies::run_exact(study_subject(), *make_subject(), problem);
   Observation o;
   o.suite = "accuracy";
   o.name = fmt::format("{},n={},cfl={},alpha={}", problem.name, cells, cfl, policy.name);
@@ -152,8 +118,6 @@ double error_of(const Make& make, int cells, double cfl, const AlphaPolicy& poli
   return error;
 }
 
-double order(double coarse, double fine) { return std::log2(coarse / fine); }
-
 void at_least(const std::string& what, double order, double least) {
   within(fmt::format("{}: order at least {}", what, least), std::max(0.0, least - order), 1e-12,
          fmt::format("order {:.3f}", order));
@@ -164,17 +128,9 @@ void between(const std::string& what, double order, double low, double high) {
          0.5 * (high - low), fmt::format("order {:.3f}", order));
 }
 
-const AlphaPolicy undamped{"1", 1, false}, pic{"0", 0, false};
-
 /// A guest that is a program per step would take hours.
 #define FIRN_NEEDS_SPEED() \
   if (subject().slow) GTEST_SKIP() << "every step starts a program: too long"
-
-Make vortex_of(double G) {
-  return [G](int cells, double cfl, const AlphaPolicy& policy) {
-    return exact::vortex(cells, cfl, policy, G);
-  };
-}
 
 TEST(Dynamics, standing_wave) {
   FIRN_NEEDS_SPEED();
@@ -237,9 +193,9 @@ TEST(Dynamics, long_column) {
 
 TEST(Dynamics, long_vortex) {
   FIRN_NEEDS_SPEED();
-  const double e32 = error_of(vortex_of(0.15), 32, 0.4, undamped);
-  error_of(vortex_of(0.15), 64, 0.4, undamped);
-  const double e128 = error_of(vortex_of(0.15), 128, 0.4, undamped);
+  const double e32 = error_of(vortex_of_15_percent, 32, 0.4, undamped);
+  error_of(vortex_of_15_percent, 64, 0.4, undamped);
+  const double e128 = error_of(vortex_of_15_percent, 128, 0.4, undamped);
   within("e(128)/e(32)", e128 / e32, 0.35, fmt::format("{:.4f} and {:.4f}", e32, e128));
 }
 

@@ -4,34 +4,18 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-#include "bench/exact.hpp"
-#include "bench/suites.hpp"
-#include "solvers/solvers.hpp"
+#include "verification/studies/convergence.hpp"
+#include "verification/support/builtin_registry.hpp"
 
-namespace firn::bench {
+namespace firn::exact {
 namespace {
 
+using studies::order, studies::pic, studies::undamped;
+
 double error_of(const ExactProblem& problem) {
-  Registry registry;
-  register_solvers(registry);
-  const auto solver = registry.create("reference", {});
-  State state = problem.initial;
-  solver->load(problem.scene, state);
-  for (int step = 0; step < problem.steps; ++step) {
-    if (problem.body_force) {
-      solver->store(state);
-      problem.push(state);
-      solver->load(problem.scene, state);
-    }
-    solver->step(problem.scene.time.step);
-  }
-  solver->store(state);
-  return problem.relative_error(state);
+  const studies::Subject reference{fixtures::make_reference};
+  return studies::run_exact(reference, *reference.create(), problem).error;
 }
-
-double order(double coarse, double fine) { return std::log2(coarse / fine); }
-
-const AlphaPolicy undamped{"1", 1, false}, pic{"0", 0, false};
 
 /// Fourth-order central difference of f at 0.
 template <class F>
@@ -140,54 +124,5 @@ TEST(Exact, DampingPerTimeDoesNotKnowTheStep) {
   EXPECT_NEAR(rate.alpha(0.4 / 16 / std::sqrt(1.4e5 * 10 / 9 / 400)), 0.95, 1e-6);
 }
 
-/// The bisection finds the predicted bulk limit within 3 %.
-/// Predicted limit of one case of the suite, and the measured one over where growth is seen.
-std::pair<double, double> limits_of(const std::string& name) {
-  Registry registry;
-  register_solvers(registry);
-  std::vector<CasePlan> plans;
-  plan_stability_suite(registry, {}, plans);
-  for (CasePlan& plan : plans) {
-    if (plan.description.name != name) continue;
-    plan.run(plan.description);
-    std::pair<double, double> found;
-    double measured = 0, expected = 1;
-    for (const results::Quantity& q : plan.description.quantities) {
-      if (q.name == "predicted_cfl") found.first = q.values.at(0);
-      if (q.name == "cfl") measured = q.values.at(0);
-      if (q.name == "expected_cfl") expected = q.values.at(0);
-    }
-    found.second = measured / expected;
-    return found;
-  }
-  ADD_FAILURE() << "no such case";
-  return {};
-}
-
-TEST(Stability, BulkLimitIsWhereItIsPredicted) {
-  const auto [predicted, measured] = limits_of("optimized,double,1T,alpha=0.95");
-  EXPECT_NEAR(predicted, 1.498, 0.002);
-  EXPECT_NEAR(measured, 1, 0.01);  // the bisection ends within 0.6 %
-}
-
-/// S = ΣN'²/N and V/V_full = (ΣN²)⁻³ by hand: on a node N = 1/6, 2/3, 1/6, N' = ½, 0, ½,
-/// S = 3, V = 8 h³; in the middle of a cell N = 1/48, 23/48, twice, S = 3.1304, V = 10.27 h³.
-TEST(Stability, ALoneParticleIsLimitedByItsOwnVolume) {
-  const double modulus = 2.0 / 3;  // (λ+2μ)/(2μ+3λ) at ν = 0.2: λ = E/3.6, μ = E/2.4
-  const auto limit = [&](double S, double V) { return std::sqrt(2 * modulus / (S * V)); };
-  const struct {
-    const char *volume, *place;
-    double predicted;
-  } rows[] = {{"exact", "0", limit(3, 1)},
-              {"estimated", "0", limit(3, 8)},
-              {"estimated", "0.5", limit(2 * (0.75 + 18.75 / 23), std::pow(2304.0 / 1060, 3))}};
-  for (const auto& row : rows) {
-    const auto [predicted, measured] = limits_of("optimized,double,1T,place of a lone particle, " +
-                                                 std::string(row.volume) + " volume=" + row.place);
-    EXPECT_NEAR(predicted, row.predicted, 1e-12);
-    EXPECT_NEAR(measured, 1, 0.015);  // the bisection ends within 1 %
-  }
-}
-
 }  // namespace
-}  // namespace firn::bench
+}  // namespace firn::exact
