@@ -2,7 +2,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <random>
+
+#include "verification/support/random.hpp"
 
 namespace firn::bench {
 
@@ -10,19 +11,12 @@ namespace {
 
 constexpr double h = 0.05, dt = 1e-6, drift_per_step = 0.01 * h;
 
-/// Uniform in [0, 1), the same on every machine.
-class Uniform {
- public:
-  explicit Uniform(std::uint64_t seed) : engine_(seed) {}
-  double operator()() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
-
- private:
-  std::mt19937_64 engine_;
-};
+using fixtures::Random;
 
 /// Uniformly distributed rotation (Shoemake 1992).
-Mat3 random_rotation(Uniform& u) {
-  const double a = u(), b = 2 * M_PI * u(), c = 2 * M_PI * u();
+Mat3 random_rotation(Random& random) {
+  const double a = random.uniform(), b = 2 * M_PI * random.uniform(),
+               c = 2 * M_PI * random.uniform();
   const double s = std::sqrt(1 - a), r = std::sqrt(a);
   return Eigen::Quaterniond(r * std::cos(c), s * std::sin(b), s * std::cos(b), r * std::sin(c))
       .toRotationMatrix();
@@ -61,7 +55,7 @@ Workload block(std::size_t particles, Deformation deformation, std::uint64_t see
   const auto edge =
       static_cast<int>(std::lround(std::cbrt(static_cast<double>(particles) / 8) * 2));
   const Vec3 middle = Vec3::Constant(0.25 * h * edge);
-  Uniform u(seed);
+  Random random(seed);
   Particles& p = work.state.particles;
   p.resize(static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge) *
            static_cast<std::size_t>(edge));
@@ -69,14 +63,15 @@ Workload block(std::size_t particles, Deformation deformation, std::uint64_t see
   for (int i = 0; i < edge; ++i)
     for (int j = 0; j < edge; ++j)
       for (int k = 0; k < edge; ++k, ++at) {
-        const double jitter_x = u(), jitter_y = u(), jitter_z = u();
+        const double jitter_x = random.uniform(), jitter_y = random.uniform(),
+                     jitter_z = random.uniform();
         p.x[at] = 0.5 * h * Vec3(i + jitter_x, j + jitter_y, k + jitter_z);
         const Vec3 from_middle = p.x[at] - middle;
         p.v[at] = Vec3::Constant(drift_per_step / dt) +
                   rate * from_middle.cwiseProduct(Vec3(1, -0.5, -0.5));
         p.m[at] = snow.density * h * h * h / 8;
         p.V_0[at] = h * h * h / 8;
-        p.F_E[at] = stretch.asDiagonal() * random_rotation(u);
+        p.F_E[at] = stretch.asDiagonal() * random_rotation(random);
         p.id[at] = static_cast<std::int64_t>(at);
       }
   return work;
