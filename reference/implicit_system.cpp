@@ -1,6 +1,7 @@
 #include "reference/implicit_system.hpp"
 
 #include "reference/failure.hpp"
+#include "reference/transfer.hpp"
 
 namespace firn::reference {
 
@@ -23,14 +24,9 @@ NodeField ImplicitSystem::hessian(const NodeField& u) const {
   NodeField Hu(u.size(), Vec3::Zero());
   for (std::size_t p = 0; p < particles_.size(); ++p) {
     const auto& [V_p0, F_E, dP] = particles_[p];
-    Mat3 grad_u_p = Mat3::Zero();
-    stencils_.for_each_node_with_gradient(p, [&](std::size_t i, double, const Vec3& grad_w_ip) {
-      grad_u_p += u[i] * grad_w_ip.transpose();
-    });
+    const Mat3 grad_u_p = gather_gradient(u, p, stencils_);
     const Mat3 A_p = dP(grad_u_p * F_E);
-    const Mat3 V_A_FT = V_p0 * A_p * F_E.transpose();
-    stencils_.for_each_node_with_gradient(
-        p, [&](std::size_t i, double, const Vec3& grad_w_ip) { Hu[i] += V_A_FT * grad_w_ip; });
+    scatter_divergence(V_p0 * A_p * F_E.transpose(), p, stencils_, Hu);
   }
   return Hu;
 }

@@ -1,5 +1,6 @@
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
+#include "reference/transfer.hpp"
 
 namespace firn::reference {
 
@@ -16,18 +17,14 @@ void rasterize(const Particles& particles, const Stencils& stencils, Grid& grid)
   grid.v.assign(grid.size(), Vec3::Zero());
   for (std::size_t p = 0; p < particles.size(); ++p) {
     const double m_p = particles.m[p];
-    const Vec3 v_p = particles.v[p];
     if (!(m_p > 0 && finite(m_p)))
       fail_at_particle(Stage::rasterize, p, "mass is " + to_text(m_p) + ", allowed: > 0");
-    if (!finite(v_p)) fail_at_particle(Stage::rasterize, p, "velocity is not finite");
-    stencils.for_each_node(p, [&](std::size_t i, double w_ip) {
-      grid.m[i] += m_p * w_ip;
-      grid.v[i] += m_p * w_ip * v_p;  // momentum until the end of this function
-    });
+    if (!finite(particles.v[p])) fail_at_particle(Stage::rasterize, p, "velocity is not finite");
+    scatter_mass_and_momentum(particles, p, stencils, grid.m, grid.v);
   }
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (grid.m[i] == 0) continue;
-    grid.v[i] /= grid.m[i];
+    grid.v[i] /= grid.m[i];  // was the momentum so far
     if (!finite(grid.m[i]) || !finite(grid.v[i]))
       fail_at_node(Stage::rasterize, grid, i, "mass or velocity is not finite");
   }

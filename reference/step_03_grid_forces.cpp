@@ -1,6 +1,7 @@
 #include "reference/constitutive.hpp"
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
+#include "reference/transfer.hpp"
 
 namespace firn::reference {
 
@@ -18,8 +19,7 @@ void grid_forces(const Scene& scene, const Particles& particles, const Stencils&
     const Mat3& F_P = particles.F_P[p];
     const Mat3 V_tau = particles.V_0[p] * kirchhoff_stress(material, particles.F_E[p], F_P);
     if (!finite(V_tau)) fail_at_particle(Stage::grid_forces, p, why_not_finite(material, F_P));
-    stencils.for_each_node_with_gradient(
-        p, [&](std::size_t i, double, const Vec3& grad_w_ip) { grid.f[i] -= V_tau * grad_w_ip; });
+    scatter_divergence(-V_tau, p, stencils, grid.f);
   }
   for (std::size_t i = 0; i < grid.size(); ++i)
     if (!finite(grid.f[i])) fail_at_node(Stage::grid_forces, grid, i, "force is not finite");

@@ -1,6 +1,7 @@
 #include "reference/constitutive.hpp"
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
+#include "reference/transfer.hpp"
 
 namespace firn::reference {
 
@@ -14,10 +15,7 @@ namespace firn::reference {
 void deformation(const Scene& scene, const Stencils& stencils, const Grid& grid, double dt,
                  Particles& particles) {
   for (std::size_t p = 0; p < particles.size(); ++p) {
-    Mat3 grad_v_p = Mat3::Zero();
-    stencils.for_each_node_with_gradient(p, [&](std::size_t i, double, const Vec3& grad_w_ip) {
-      grad_v_p += grid.v_new[i] * grad_w_ip.transpose();
-    });
+    const Mat3 grad_v_p = gather_gradient(grid.v_new, p, stencils);
     const Mat3 F_E_hat = (Mat3::Identity() + dt * grad_v_p) * particles.F_E[p];
     const Material& material = scene.materials[static_cast<std::size_t>(particles.material[p])];
     return_map(material, F_E_hat, particles.F_E[p], particles.F_P[p]);

@@ -1,5 +1,6 @@
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
+#include "reference/transfer.hpp"
 
 namespace firn::reference {
 
@@ -12,16 +13,8 @@ namespace firn::reference {
 /// v_i^n is the velocity of step 1; the weights are those of time n.
 void particle_velocities(const Scene& scene, const Stencils& stencils, const Grid& grid,
                          Particles& particles) {
-  const double alpha = scene.flip;
   for (std::size_t p = 0; p < particles.size(); ++p) {
-    Vec3 v_PIC = Vec3::Zero();
-    Vec3 change = Vec3::Zero();
-    stencils.for_each_node(p, [&](std::size_t i, double w_ip) {
-      v_PIC += grid.v_new[i] * w_ip;
-      change += (grid.v_new[i] - grid.v[i]) * w_ip;
-    });
-    const Vec3 v_FLIP = particles.v[p] + change;
-    particles.v[p] = (1 - alpha) * v_PIC + alpha * v_FLIP;
+    gather_velocity(scene, grid, p, stencils, particles);
     if (!finite(particles.v[p]))
       fail_at_particle(Stage::particle_velocities, p, "velocity is not finite");
   }
