@@ -20,7 +20,7 @@ foreach(folder IN ITEMS firn io simulation)
     FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "scene" EXCLUDE)
 endforeach()
 foreach(header IN ITEMS io/scene/builtin_scenes.hpp io/scene/scene_file.hpp
-        reference/reference_solver.hpp reference/kernel.hpp reference/stencil.hpp
+        reference/reference_solver.hpp reference/kernel.hpp reference/stencil.hpp reference/steps.hpp
         optimized/optimized_solver.hpp
         solvers/solvers.hpp verification/check/check.hpp)
   if(EXISTS ${PROJECT_SOURCE_DIR}/${header})

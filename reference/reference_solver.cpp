@@ -6,7 +6,6 @@
 #include "reference/diagnostics.hpp"
 #include "reference/failure.hpp"
 #include "reference/grid_nodes.hpp"
-#include "reference/steps.hpp"
 #include "reference/time_step.hpp"
 
 namespace firn::reference {
@@ -31,7 +30,7 @@ void ReferenceSolver::load(const Scene& scene, const State& state) {
   if (state_.next == Stage::rasterize) state_.grid.clear();
   last_good_ = state_;
   in_step_ = false;
-  report_ = {};
+  solve_ = {};
 }
 
 TimeStep ReferenceSolver::choose_time_step() {
@@ -43,31 +42,11 @@ TimeStep ReferenceSolver::choose_time_step() {
   }
 }
 
-void ReferenceSolver::run(Stage stage, double dt) {
-  const Scene& scene = *scene_;
-  Particles& particles = state_.particles;
-  Grid& grid = state_.grid;
-  switch (stage) {
-    case Stage::rasterize:
-      stencils_.build(scene, particles, stage, grid.node);
-      rasterize(particles, stencils_, grid);
-      break;
-    case Stage::volumes: volumes(scene, stencils_, grid, particles); break;
-    case Stage::grid_forces: grid_forces(scene, particles, stencils_, grid); break;
-    case Stage::grid_velocities: grid_velocities(scene, dt, grid); break;
-    case Stage::grid_collisions: grid_collisions(scene, state_.time, grid); break;
-    case Stage::integration: {
-      const IntegrationReport solve = integration(scene, particles, stencils_, dt, grid);
-      report_.solver_iterations = solve.iterations;
-      report_.solver_residual = solve.residual;
-      report_.solver_indefinite = solve.indefinite;
-      break;
-    }
-    case Stage::deformation: deformation(scene, stencils_, grid, dt, particles); break;
-    case Stage::particle_velocities: particle_velocities(scene, stencils_, grid, particles); break;
-    case Stage::particle_collisions: particle_collisions(scene, state_.time, particles); break;
-    case Stage::positions: positions(scene, dt, particles); break;
-  }
+/// For a new step and for one that was loaded in its middle.
+void ReferenceSolver::find_nodes() {
+  std::vector<NodeIndex> node;
+  stencils_.build(*scene_, state_.particles, state_.next, node);
+  state_.grid = spread_over(node, state_.grid);
 }
 
 StepReport ReferenceSolver::advance_through(Stage last, double dt) {
@@ -80,13 +59,12 @@ StepReport ReferenceSolver::advance_through(Stage last, double dt) {
       state_.grid.clear();
       last_good_ = state_;
       state_.dt = dt;
-      report_ = {};
-    } else if (!in_step_) {
-      resume_step();
+      solve_ = {};
     }
+    if (!in_step_) find_nodes();
     in_step_ = true;
     for (Stage stage = state_.next;; stage = next(stage)) {
-      run(stage, dt);
+      run_stage(stage, *scene_, stencils_, dt, state_, solve_);
       state_.next = next(stage);
       if (stage == last) break;
     }
@@ -96,8 +74,12 @@ StepReport ReferenceSolver::advance_through(Stage last, double dt) {
     error.state_intact = true;
     throw;
   }
-  report_.dt = dt;
-  report_.grid_nodes = nodes_of_positive_mass(state_.grid);
+  StepReport report;
+  report.dt = dt;
+  report.grid_nodes = nodes_of_positive_mass(state_.grid);
+  report.solver_iterations = solve_.iterations;
+  report.solver_residual = solve_.residual;
+  report.solver_indefinite = solve_.indefinite;
   if (last == Stage::positions) {
     state_.time += dt;
     state_.step += 1;
@@ -105,13 +87,7 @@ StepReport ReferenceSolver::advance_through(Stage last, double dt) {
     last_good_.grid.clear();
     in_step_ = false;
   }
-  return report_;
-}
-
-void ReferenceSolver::resume_step() {
-  std::vector<NodeIndex> node;
-  stencils_.build(*scene_, state_.particles, state_.next, node);
-  state_.grid = spread_over(node, state_.grid);
+  return report;
 }
 
 void ReferenceSolver::store(State& state) const {

@@ -1,12 +1,14 @@
 #pragma once
 /// The plain solver against which others are judged: sequential, double
-/// precision, one function per step of the paper.
+/// precision, one function per step of the paper. The steps are in steps.hpp; here
+/// is what surrounds them: validation, rollback and restart.
 
 #include <memory>
 
 #include "firn/registry.hpp"
 #include "firn/solver.hpp"
 #include "reference/stencil.hpp"
+#include "reference/steps.hpp"
 
 namespace firn::reference {
 
@@ -21,20 +23,17 @@ class ReferenceSolver final : public Solver {
   double bytes_per_particle() const override;
 
  private:
-  /// Runs one stage: the list of the paper.
-  void run(Stage stage, double dt);
+  /// Stencils, and the grid on all their nodes.
+  void find_nodes();
 
-  /// Stencils and the working grid for a state that was loaded in the middle of a step.
-  void resume_step();
-
-  const Scene* scene_ = nullptr;
+  const Scene* scene_ = nullptr;  ///< set by load(); outlives the simulation
   /// Its grid holds every node within reach of a particle, also those of zero
   /// mass, as soon as a stage has run.
   State state_;
-  State last_good_;       ///< as it was loaded or as the last complete step left it
-  Stencils stencils_;     ///< of the positions at the beginning of the step
-  bool in_step_ = false;  ///< stencils_ belong to the step under way
-  StepReport report_;     ///< of the step under way
+  State last_good_;          ///< as it was loaded or as the last complete step left it
+  Stencils stencils_;        ///< of the positions at the beginning of the step
+  bool in_step_ = false;     ///< stencils_ belong to the step under way
+  IntegrationReport solve_;  ///< of the step under way
 };
 
 }  // namespace firn::reference

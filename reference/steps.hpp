@@ -57,4 +57,9 @@ void particle_collisions(const Scene& scene, double t, Particles& particles);
 /// Step 10: x_p.
 void positions(const Scene& scene, double dt, Particles& particles);
 
+/// Runs one of the ten: the list of the paper (ten_steps.cpp). Before step 1 `stencils` must
+/// have been built, and state.grid must have their nodes. `solve` is written by step 6.
+void run_stage(Stage stage, const Scene& scene, const Stencils& stencils, double dt, State& state,
+               IntegrationReport& solve);
+
 }  // namespace firn::reference
