@@ -177,6 +177,7 @@ def implicit_sections(lesson: Lesson) -> list[Section]:
         "implicit_system.hpp",
         "implicit_system.cpp",
         "minres.cpp",
+        "transfer.cpp",
         "constitutive.cpp",
     )
     return [

@@ -48,6 +48,7 @@ def stage_values(lesson: Lesson, page: Chapter) -> Json:
         "hand_code": source.highlight(code, source.PYTHON),
         "hand_rows": [(f, f"{d:.2g}", f"{d * 2**52:.2g}") for f, _, _, d in hand],
         "source": source.File(lesson, source.path_of(stage)),
+        "called": [source.File(lesson, path) for path in source.called_by(stage)],
         "text": page.text,
         "optimized": page.optimized,
         "checks": check_rows(lesson, stage),

@@ -46,6 +46,20 @@ def path_of(stage: int) -> str:
     return f"reference/step_{stage:02d}_{STAGES[stage - 1]}.cpp"
 
 
+# The files whose functions a step's file calls.
+CALLED = {
+    1: ["transfer.cpp"],
+    3: ["constitutive.cpp", "transfer.cpp"],
+    7: ["transfer.cpp", "constitutive.cpp"],
+    8: ["transfer.cpp"],
+}
+
+
+def called_by(stage: int) -> list[str]:
+    """The files of the reference with the formulas that a stage calls by name."""
+    return [f"reference/{name}" for name in CALLED.get(stage, [])]
+
+
 class File:
     """A source file of the reference with its highlighted text."""
 

@@ -47,10 +47,18 @@ ALLOWED = {
     "guests": ["firn", "io"],
     # The checker knows solvers as the interface has them.
     "verification/check": ["firn"],
-    "verification/oracles": ["firn", "verification/support/random_numbers.hpp",
-                             "verification/support/scenes.hpp"],
+    "verification/oracles": [
+        "firn",
+        "verification/support/random_numbers.hpp",
+        "verification/support/scenes.hpp",
+    ],
     # An experiment has two callers, and knows neither.
-    "verification/studies": ["firn", "verification/oracles", "verification/check", "verification/support"],
+    "verification/studies": [
+        "firn",
+        "verification/oracles",
+        "verification/check",
+        "verification/support",
+    ],
     # Wrong solvers are made of the right one's stages.
     "verification/mutants": ["firn", "reference"],
     "verification/support": ["firn", "io", "simulation", SOLVERS],
