@@ -13,7 +13,7 @@ namespace firn::cli {
 
 namespace {
 
-struct Arguments {
+struct CheckArguments {
   std::shared_ptr<SceneOption> scene;
   std::shared_ptr<SolverOption> solver;
   std::string against = "reference";
@@ -29,7 +29,7 @@ CheckMode mode_from_name(const std::string& name) {
   throw InputError("--mode", "unknown mode", name, "lockstep or free");
 }
 
-int run_check_verb(const Arguments& arguments, Context& context) {
+int run_check_verb(const CheckArguments& arguments, Context& context) {
   if (arguments.steps < 1)
     throw InputError("--steps", "number of steps", std::to_string(arguments.steps), "at least 1");
   if (arguments.start_step < 0)
@@ -65,7 +65,7 @@ void add_check(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand("check",
                                       "compares a solver with the reference, stage by stage, and "
                                       "names the first stage that differs");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CheckArguments>();
   arguments->scene = add_scene_option(*verb);
   arguments->solver = add_solver_option(*verb, context.registry, "optimized");
   verb->add_option("--against", arguments->against, "the solver to compare with")

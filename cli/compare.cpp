@@ -13,7 +13,7 @@ namespace firn::cli {
 
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string a, b;
   double tolerance = 0;
   bool json = false;
@@ -83,7 +83,7 @@ void print_json(const TrajectoryComparison& c, bool passed) {
   fmt::print("{}\n", object.dump(2));
 }
 
-void print_table(const Arguments& arguments, const TrajectoryComparison& c, bool passed) {
+void print_table(const CompareArguments& arguments, const TrajectoryComparison& c, bool passed) {
   fmt::print("A {}: {} frames\nB {}: {} frames; {} matched by time\n", arguments.a, c.frames_a,
              arguments.b, c.frames_b, c.frames_matched);
   if (!c.only_in_a.empty()) fmt::print("only in A: t = {} s\n", values_text(c.only_in_a));
@@ -110,7 +110,7 @@ void print_table(const Arguments& arguments, const TrajectoryComparison& c, bool
     fmt::print("DIFFERENT\n");
 }
 
-int run_compare(const Arguments& arguments) {
+int run_compare(const CompareArguments& arguments) {
   if (!(arguments.tolerance >= 0 && arguments.tolerance < 1e300))
     throw InputError("--tolerance", "relative difference allowed", to_text(arguments.tolerance),
                      "finite, at least 0");
@@ -128,7 +128,7 @@ int run_compare(const Arguments& arguments) {
 void add_compare(CLI::App& app, Context& context) {
   CLI::App* verb =
       app.add_subcommand("compare", "compares two trajectories; exit status 1 if they differ");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<CompareArguments>();
   verb->add_option("A", arguments->a, "trajectory")->required();
   verb->add_option("B", arguments->b, "trajectory")->required();
   verb->add_option("--tolerance", arguments->tolerance,

@@ -11,13 +11,13 @@ namespace firn::cli {
 
 namespace {
 
-struct Arguments {
+struct ReportArguments {
   std::string file, baseline, out, threshold;
   bool readme_table = false;
   std::vector<std::string> checks;
 };
 
-int run_report(const Arguments& arguments) {
+int run_report(const ReportArguments& arguments) {
   if (!std::filesystem::exists(arguments.file))
     throw InputError(arguments.file, "results or trajectory", "no such file",
                      "an HDF5 file of firn");
@@ -35,7 +35,7 @@ void add_report(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand(
       "report",
       "makes one self-contained HTML page from the results of `bench` or a trajectory of `run`");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<ReportArguments>();
   arguments->out = "report";
   verb->add_option("RESULTS", arguments->file, "results (.h5) or trajectory (.vtkhdf)")->required();
   verb->add_option("--baseline", arguments->baseline,

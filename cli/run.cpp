@@ -16,7 +16,7 @@ namespace firn::cli {
 
 namespace {
 
-struct Arguments {
+struct RunArguments {
   std::shared_ptr<SceneOption> scene;
   std::shared_ptr<SolverOption> solver;
   std::string out, resume;
@@ -26,13 +26,13 @@ struct Arguments {
 };
 
 /// -o, else the file resumed from, else NAME.vtkhdf in the current folder.
-std::filesystem::path output_path(const Arguments& arguments) {
+std::filesystem::path output_path(const RunArguments& arguments) {
   if (!arguments.out.empty()) return arguments.out;
   if (!arguments.resume.empty()) return arguments.resume;
   return std::filesystem::path(arguments.scene->name).stem().string() + ".vtkhdf";
 }
 
-void check_ranges(const Arguments& arguments) {
+void check_ranges(const RunArguments& arguments) {
   if (arguments.steps && *arguments.steps < 0)
     throw InputError("--steps", "number of steps", std::to_string(*arguments.steps), "at least 0");
   if (arguments.until && !(*arguments.until >= 0 && *arguments.until < 1e300))
@@ -46,7 +46,7 @@ void check_ranges(const Arguments& arguments) {
                      "only together with --resume FILE");
 }
 
-RunOptions run_options(const Arguments& arguments, std::size_t particles, Context& context) {
+RunOptions run_options(const RunArguments& arguments, std::size_t particles, Context& context) {
   RunOptions options;
   options.output = output_path(arguments);
   options.steps = arguments.steps;
@@ -136,7 +136,7 @@ void print_summary(const RunResult& result, const std::filesystem::path& out,
       d.gravitational_energy);
 }
 
-int run_run(const Arguments& arguments, Context& context) {
+int run_run(const RunArguments& arguments, Context& context) {
   check_ranges(arguments);
   const Scene scene = arguments.scene->read();
   const std::size_t count = sample_bodies(scene).size();
@@ -167,7 +167,7 @@ int run_run(const Arguments& arguments, Context& context) {
 
 void add_run(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand("run", "simulates a scene and writes a trajectory");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<RunArguments>();
   arguments->scene = add_scene_option(*verb);
   verb->add_option("-o,--out", arguments->out,
                    "trajectory to write; default: SCENE.vtkhdf, or the file resumed from");

@@ -23,7 +23,7 @@ namespace firn::cli {
 
 namespace {
 
-struct Arguments {
+struct TeachArguments {
   std::shared_ptr<SceneOption> scene;
   std::string out = "lesson";
   std::optional<std::int64_t> step, particle;
@@ -97,7 +97,7 @@ std::string web_module() {
   return FIRN_WEB_MODULE_DEFAULT;
 }
 
-int run_teach(const Arguments& arguments, Context& context) {
+int run_teach(const TeachArguments& arguments, Context& context) {
   const Scene scene = arguments.scene->read();
   const std::size_t particles = sample_bodies(scene).size();
   if (particles > most_particles)
@@ -135,7 +135,7 @@ void add_teach(CLI::App& app, Context& context) {
   CLI::App* verb = app.add_subcommand(
       "teach",
       "makes HTML pages that explain one time step, stage by stage, on this scene's numbers");
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<TeachArguments>();
   arguments->scene = add_scene_option(*verb);
   arguments->scene->name = "tiny_impact";
   verb->get_option("SCENE")->required(false)->capture_default_str();

@@ -1,5 +1,5 @@
-# Installation: every library made by firn_add_library(), the program, the headers,
-# and the package Firn for find_package(). Included last, when all targets exist.
+# Installation: the programs, every library made by firn_add_library() that is not INTERNAL, the
+# public headers, and the package Firn for find_package(). Included last, when all targets exist.
 #
 # Verified by verification/tests/install, which builds an outside project against it.
 
@@ -11,23 +11,40 @@ set_target_properties(firn_arithmetic PROPERTIES EXPORT_NAME arithmetic)
 install(TARGETS ${firn_libraries} firn_arithmetic EXPORT FirnTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS firn firn-verify firn-guest RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS firn firn-guest RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 
-# Headers keep their place under the project's root, so that an #include reads the
-# same inside and outside.
-foreach(folder IN ITEMS firn io simulation)
-  install(DIRECTORY ${folder} DESTINATION include
-    FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" PATTERN "scene" EXCLUDE)
-endforeach()
-foreach(header IN ITEMS io/scene/builtin_scenes.hpp io/scene/scene_file.hpp
-        reference/reference_solver.hpp reference/kernel.hpp reference/stencil.hpp reference/steps.hpp
-        optimized/optimized_solver.hpp
-        solvers/solvers.hpp verification/check/check.hpp)
-  if(EXISTS ${PROJECT_SOURCE_DIR}/${header})
-    cmake_path(GET header PARENT_PATH folder)
-    install(FILES ${header} DESTINATION include/${folder})
+# `./run demo` builds no more than it runs; what it built can be installed all the same.
+install(TARGETS firn-verify RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} OPTIONAL)
+install(CODE "if(NOT EXISTS \"$<TARGET_FILE:firn-verify>\")
+  message(STATUS \"Without `firn verify`, which was not built: ./run build builds it\")
+endif()")
+
+# Everything is below include/firn, so that no folder called io/ or cli/ lands in a system's
+# include/. An #include reads the same inside and outside: "firn/solver.hpp" is found from
+# include/, "io/trajectory/reader.hpp" from include/firn/ (firn_add_library() names both).
+file(GLOB firn_public_headers RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/firn/*.hpp ${PROJECT_SOURCE_DIR}/firn/*.h ${PROJECT_SOURCE_DIR}/simulation/*.hpp)
+list(APPEND firn_public_headers
+  io/mesh/mesh_shape.hpp io/mesh/triangle_mesh.hpp
+  io/output_error.hpp
+  io/results/results.hpp io/results/results_file.hpp
+  io/scene/builtin_scenes.hpp io/scene/scene_file.hpp
+  io/trajectory/compare.hpp io/trajectory/diagnostics_row.hpp io/trajectory/format.hpp
+  io/trajectory/reader.hpp io/trajectory/writer.hpp
+  optimized/optimized_solver.hpp
+  reference/kernel.hpp reference/reference_solver.hpp reference/stencil.hpp reference/steps.hpp
+  solvers/solvers.hpp
+  verification/check/check.hpp)
+foreach(header IN LISTS firn_public_headers)
+  cmake_path(GET header PARENT_PATH folder)
+  if(folder STREQUAL "firn")
+    set(folder "")
   endif()
+  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/firn/${folder})
 endforeach()
+if(EXISTS ${PROJECT_SOURCE_DIR}/LICENSE)
+  install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+endif()
 
 # What our libraries link against must be found before FirnTargets is read: those of
 # the following that this build found.

@@ -25,6 +25,25 @@ def arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def one_by_one(commands: list[dict[str, str]]) -> list[dict[str, str]]:
+    """The commands with every unity file replaced by the files that it includes."""
+    expanded = []
+    for command in commands:
+        unity = Path(command["directory"], command["file"])
+        if not re.fullmatch(r"unity_\d+_cxx\.cxx", unity.name):
+            expanded.append(command)
+            continue
+        for file in re.findall(r'^#include "([^"]+)"', unity.read_text(), re.MULTILINE):
+            expanded.append(
+                {
+                    **command,
+                    "file": file,
+                    "command": command["command"].replace(command["file"], file),
+                }
+            )
+    return expanded
+
+
 def own_headers(file: Path, source: Path, seen: set[Path]) -> set[Path]:
     """The project's headers that the file includes, directly or not."""
     for name in re.findall(r'^\s*#\s*include\s*"([^"]+)"', file.read_text(), re.MULTILINE):
@@ -47,7 +66,10 @@ def main() -> int:
     """Exit status: 1 if there are findings."""
     a = arguments()
     a.source, a.build = a.source.resolve(), a.build.resolve()
-    commands = json.loads((a.build / "compile_commands.json").read_text())
+    stamps = a.build / "tidy"
+    stamps.mkdir(exist_ok=True)
+    commands = one_by_one(json.loads((a.build / "compile_commands.json").read_text()))
+    (stamps / "compile_commands.json").write_text(json.dumps(commands))
     files = sorted({Path(c["directory"], c["file"]).resolve() for c in commands})
     files = [
         f
@@ -59,8 +81,6 @@ def main() -> int:
     if not files:
         print("tidy: no file to look at")
         return 1
-    stamps = a.build / "tidy"
-    stamps.mkdir(exist_ok=True)
 
     def look(file: Path) -> tuple[Path, int, str]:
         """(file, exit status, findings) of one file."""
@@ -69,7 +89,7 @@ def main() -> int:
         if stamp.is_file() and stamp.read_text() == key:
             return file, 0, ""
         run = subprocess.run(
-            [a.clang_tidy, "-p", str(a.build), "--quiet", str(file)],
+            [a.clang_tidy, "-p", str(stamps), "--quiet", str(file)],
             capture_output=True,
             text=True,
             check=False,

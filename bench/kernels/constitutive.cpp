@@ -17,9 +17,6 @@ namespace firn::bench {
 
 namespace {
 
-constexpr std::size_t count = 1024;  // stays in the second-level cache
-constexpr std::size_t packets = count / kernels::packet_size;
-
 template <class T>
 std::vector<T> minus_identity(const std::vector<Mat3>& F) {
   std::vector<Mat3> E = F;
@@ -266,7 +263,7 @@ void time_plain_hessian(std::uint64_t seed, results::Case& result) {
 }
 
 template <class T>
-void plan_ours(const std::string& target, std::uint64_t seed, std::vector<CasePlan>& plans) {
+void plan_our_maps(const std::string& target, std::uint64_t seed, std::vector<CasePlan>& plans) {
   const auto add = [&](const std::string& kernel, const char* code,
                        std::function<void(results::Case&)> run) {
     plan_kernel(kernel, code, name_of<T>, target, std::move(run), plans);
@@ -287,8 +284,8 @@ void plan_ours(const std::string& target, std::uint64_t seed, std::vector<CasePl
 
 void plan_constitutive(std::uint64_t seed, std::vector<CasePlan>& plans) {
   for (const std::string& target : kernel_targets()) {
-    plan_ours<float>(target, seed, plans);
-    plan_ours<double>(target, seed, plans);
+    plan_our_maps<float>(target, seed, plans);
+    plan_our_maps<double>(target, seed, plans);
   }
   const auto add = [&](const std::string& kernel, const char* code,
                        std::function<void(results::Case&)> run) {

@@ -17,9 +17,6 @@ namespace firn::bench {
 
 namespace {
 
-constexpr std::size_t count = 1024;  // stays in the second-level cache
-constexpr std::size_t packets = count / kernels::packet_size;
-
 /// Ours keep 10 and 12 eps on every family; a library is timed if it is anywhere near
 /// working accuracy, and what it reaches stands beside its time.
 void judge_svd(const SvdQuality& quality, bool ours, results::Case& result) {
@@ -142,7 +139,8 @@ void time_plain_polar(Mat3 (*polar)(const Mat3&), std::uint64_t seed, results::C
 }
 
 template <class T>
-void plan_ours(const std::string& target, std::uint64_t seed, std::vector<CasePlan>& plans) {
+void plan_our_decompositions(const std::string& target, std::uint64_t seed,
+                             std::vector<CasePlan>& plans) {
   for (const char* family : {"snow", "Gaussian"})
     plan_kernel(
         std::string("SVD, ") + family, "optimized", name_of<T>, target,
@@ -156,8 +154,8 @@ void plan_ours(const std::string& target, std::uint64_t seed, std::vector<CasePl
 
 void plan_decompositions(std::uint64_t seed, std::vector<CasePlan>& plans) {
   for (const std::string& target : kernel_targets()) {
-    plan_ours<float>(target, seed, plans);
-    plan_ours<double>(target, seed, plans);
+    plan_our_decompositions<float>(target, seed, plans);
+    plan_our_decompositions<double>(target, seed, plans);
   }
   const std::pair<const char*, Decomposed (*)(const Mat3&)> peers[] = {
       {"reference", by_reference}, {"Eigen JacobiSVD", by_eigen}, {"GSL SV_decomp_jacobi", by_gsl}};

@@ -6,8 +6,8 @@
 #include <cstdlib>
 
 #include "firn/error.hpp"
-#include "optimized/target.hpp"
 #include "optimized/optimized_solver.hpp"
+#include "optimized/target.hpp"
 
 namespace firn::bench {
 

@@ -6,8 +6,13 @@
 #include <vector>
 
 #include "firn/types.hpp"
+#include "optimized/math/batch.hpp"
 
 namespace firn::bench {
+
+/// How many are timed: they stay in the second-level cache.
+inline constexpr std::size_t count = 1024;
+inline constexpr std::size_t packets = count / kernels::packet_size;
 
 /// "snow": I + 0.03 N, mostly outside the elastic box; "elastic": I + 0.003 N, mostly
 /// inside; "Gaussian": N. N has independent normal entries.

@@ -15,7 +15,7 @@ namespace firn::bench {
 
 namespace {
 
-constexpr std::size_t count = 1024;
+constexpr std::size_t particles = 1024;
 
 struct Weights {
   double N[3][4], dN[3][4];
@@ -24,13 +24,13 @@ struct Weights {
 /// Places inside a cell, three per particle.
 std::vector<std::array<double, 3>> places(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
-  std::vector<std::array<double, 3>> all(count);
+  std::vector<std::array<double, 3>> all(particles);
   for (auto& s : all)
     for (double& x : s) x = static_cast<double>(engine() >> 11) * 0x1p-53;
   return all;
 }
 
-Weights by_reference(const std::array<double, 3>& s) {
+Weights weights_by_reference(const std::array<double, 3>& s) {
   Weights w;
   for (std::size_t axis = 0; axis < 3; ++axis)
     reference::kernel_row(s[axis], w.N[axis], w.dN[axis]);
@@ -116,12 +116,12 @@ void time_weights(const Code& code, std::uint64_t seed, results::Case& result) {
   // The printed polynomial, which is the oracle here, is itself off by 4 eps near |x| = 2.
   if (!judge(result, "against the printed polynomial, ΣN = 1, ΣN' = 0", worst_of(code, all), 16))
     return;
-  std::vector<Weights> out(count);
+  std::vector<Weights> out(particles);
   time_body(
       [&] {
-        for (std::size_t i = 0; i < count; ++i) out[i] = code(all[i]);
+        for (std::size_t i = 0; i < particles; ++i) out[i] = code(all[i]);
       },
-      count, result);
+      particles, result);
 }
 
 }  // namespace
@@ -129,7 +129,7 @@ void time_weights(const Code& code, std::uint64_t seed, results::Case& result) {
 void plan_weights(std::uint64_t seed, std::vector<CasePlan>& plans) {
   plan_kernel(
       "weights", "reference", "double", "",
-      [=](results::Case& r) { time_weights(by_reference, seed, r); }, plans);
+      [=](results::Case& r) { time_weights(weights_by_reference, seed, r); }, plans);
   plan_kernel(
       "weights", "GSL bspline", "double", "",
       [=](results::Case& r) { time_weights(GslSpline(), seed, r); }, plans);

@@ -18,7 +18,7 @@ std::string joined(std::initializer_list<std::string_view> words) {
 }
 
 /// (Spelled with append: g++ 12 warns wrongly about `"x" + string`, PR105651.)
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   return std::string(1, '"').append(text).append(1, '"');
 }
 
@@ -56,7 +56,8 @@ std::string Range::text() const {
 }
 
 std::string show(const toml::node& node) {
-  if (const auto* string = node.as_string()) return quoted(one_line(string->get(), longest_value));
+  if (const auto* string = node.as_string())
+    return in_quotes(one_line(string->get(), longest_value));
   if (const auto* integer = node.as_integer()) return std::to_string(integer->get());
   if (const auto* number = node.as_floating_point()) return to_text(number->get());
   if (const auto* boolean = node.as_boolean()) return boolean->get() ? "true" : "false";

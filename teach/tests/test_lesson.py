@@ -143,7 +143,8 @@ def test_source_shown_is_the_file(lesson):
 def compile_again(command, text, folder):
     """The page's text through the build's own command: its object and the build's, as bytes."""
     words = shlex.split(command["command"])
-    words = words[1:] if words[0].endswith("ccache") else words
+    launcher = [n for n, word in enumerate(words) if word.endswith("ccache")]
+    words = words[launcher[0] + 1 :] if launcher else words
     source = folder / command["file"].split("/")[-1]
     source.write_text(text, encoding="utf-8")
     built = BUILD / words[words.index("-o") + 1]

@@ -32,7 +32,7 @@ std::string_view mode_name(CheckMode mode) {
   return mode == CheckMode::lockstep ? "lockstep" : "free";
 }
 
-std::string_view verdict(bool valid) { return valid ? "VALID" : "INVALID"; }
+std::string_view verdict_word(bool valid) { return valid ? "VALID" : "INVALID"; }
 
 /// "particle 12 [x]", "node (3,4,5) [y]".
 std::string place_text(const FieldCheck& row) {
@@ -60,7 +60,7 @@ void field_row(std::string& out, const FieldCheck& row) {
                  fmt::format("{}{}", name(row.field), row.kept ? " kept" : ""), units(row.field),
                  row.compared);
   if (row.compared == 0) {
-    fmt::format_to(to, "{:<99} {}\n", "nothing to compare", verdict(row.valid));
+    fmt::format_to(to, "{:<99} {}\n", "nothing to compare", verdict_word(row.valid));
     return;
   }
   fmt::format_to(to, "{:>8.1e} {:>8.1e} {:>8.1e} {:>8.1e} {:>8.2g} {:>8.2g} ", row.largest_absolute,
@@ -68,7 +68,7 @@ void field_row(std::string& out, const FieldCheck& row) {
                  row.rms_in_bounds);
   fmt::format_to(to, "{:>5} {:<16} {:>12.5g} {:>9.1e} {}\n", row.worst.step, place_text(row),
                  row.worst.reference_value, row.worst.subject_value - row.worst.reference_value,
-                 verdict(row.valid));
+                 verdict_word(row.valid));
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ std::string to_table(const CheckReport& report) {
     if (!row.kept || !row.valid) field_row(out, row);
   if (!report.properties.empty()) out += '\n';
   for (const PropertyCheck& row : report.properties)
-    fmt::format_to(to, "{:<69} {:>10} {}{}{}\n", row.name, row.compared, verdict(row.valid),
+    fmt::format_to(to, "{:<69} {:>10} {}{}{}\n", row.name, row.compared, verdict_word(row.valid),
                    row.detail.empty() ? "" : ": ", row.detail);
   out += '\n';
   if (report.first_divergence) {
@@ -99,7 +99,7 @@ std::string to_table(const CheckReport& report) {
                    first.field ? name(*first.field) : "", first.message);
   }
   fmt::format_to(to, "{}: {} numbers compared, largest error {:.2g} of its bound\n",
-                 verdict(report.valid()), report.compared(), report.largest_in_bounds());
+                 verdict_word(report.valid()), report.compared(), report.largest_in_bounds());
   return out;
 }
 

@@ -142,8 +142,8 @@ std::unique_ptr<Solver> make_mutant(const std::string& solver, const SolverOptio
 }  // namespace
 
 SolverFamily mutant_family() {
-  return {"mutant:NAME", "the reference with one deliberate mistake",
-          begins_with(mutants::prefix), make_mutant};
+  return {"mutant:NAME", "the reference with one deliberate mistake", begins_with(mutants::prefix),
+          make_mutant};
 }
 
 }  // namespace firn

@@ -10,8 +10,6 @@ namespace firn::studies {
 
 namespace {
 
-constexpr double h = row_spacing;
-
 Situation situation(const std::string& name, Expected expected, const State& state, double dt,
                     int steps = 1) {
   return {.name = name,
@@ -35,7 +33,7 @@ Situation spoiled(const std::string& name, std::int64_t culprit, double dt, cons
 }  // namespace
 
 Scene row_scene() {
-  Scene scene = fixtures::elastic_scene("suite", h, 1e-4);
+  Scene scene = fixtures::elastic_scene("suite", row_spacing, 1e-4);
   scene.flip = 0.95;
   scene.materials = {Material{}};
   scene.materials[0].name = "snow";
@@ -47,7 +45,7 @@ State row_of_particles(std::size_t n) {
   Particles& p = state.particles;
   p.resize(n);
   for (std::size_t q = 0; q < n; ++q) {
-    p.x[q] = h * Vec3(0.25 * static_cast<double>(q) + 0.125, 0.5, -0.75);
+    p.x[q] = row_spacing * Vec3(0.25 * static_cast<double>(q) + 0.125, 0.5, -0.75);
     p.m[q] = 0x1p-6;
     p.V_0[q] = 0x1p-15;
     p.id[q] = static_cast<std::int64_t>(q);
@@ -78,16 +76,16 @@ std::vector<Situation> awkward_places(int steps) {
 
   State node = row_of_particles(4);
   for (Vec3& v : node.particles.v) v = Vec3(1, 0, -1);
-  node.particles.x[0] = h * Vec3(2, -3, 0);
-  node.particles.x[1] = h * Vec3(2, -3, std::nextafter(0.0, -1.0));
+  node.particles.x[0] = row_spacing * Vec3(2, -3, 0);
+  node.particles.x[1] = row_spacing * Vec3(2, -3, std::nextafter(0.0, -1.0));
 
   Situation seam = situation("on the seam of a periodic domain of 4 cells", Expected::goes_on,
                              row_of_particles(4), 0x1p-9, steps);
-  seam.scene.grid.periodic = h * Vec3(4, 4, 4);
+  seam.scene.grid.periodic = row_spacing * Vec3(4, 4, 4);
   Particles& p = seam.state.particles;
   for (Vec3& x : p.x) x = seam.scene.wrap(x);
   p.x[0].setZero();
-  p.x[1] = h * Vec3(4 - 0x1p-20, 4 - 0x1p-20, 0);
+  p.x[1] = row_spacing * Vec3(4 - 0x1p-20, 4 - 0x1p-20, 0);
   for (Vec3& v : p.v) v = Vec3(3, 3, -3);
 
   return {situation("coincident particles", Expected::goes_on, coincident, 0x1p-13, steps),
@@ -103,7 +101,7 @@ std::vector<Situation> far_in_one_step(int steps) {
   State collapse;
   for (int i = 0; i < 64; ++i) {
     State one = row_of_particles(1);
-    one.particles.x[0] = h * (Vec3(i / 16, i / 4 % 4, i % 4) / 2 - Vec3::Constant(0.75));
+    one.particles.x[0] = row_spacing * (Vec3(i / 16, i / 4 % 4, i % 4) / 2 - Vec3::Constant(0.75));
     one.particles.v[0] = -one.particles.x[0] / 0x1p-10;
     one.particles.id[0] = i;
     collapse.particles.append(one.particles);
@@ -146,7 +144,7 @@ std::vector<Situation> outside_the_domain(Precision precision) {
   return {
       spoiled("a particle leaves the domain", 3, 0x1p-10,
               [=](Particles& p, std::size_t at) {
-                p.x[at][0] += 20 * h;  // alone: what it does to others is no fault
+                p.x[at][0] += 20 * row_spacing;  // alone: what it does to others is no fault
                 p.v[at] = Vec3(0, single ? 1e30 : 1e200, 0);
               }),
       spoiled("a particle is outside the domain", 5, 0x1p-10,

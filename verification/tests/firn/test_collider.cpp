@@ -2,17 +2,15 @@
 // which passes by, and they carry their distances with them.
 
 #include <gtest/gtest.h>
-#include <limits>
 
 #include "firn/collider.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/support/points.hpp"
 
 namespace firn {
 namespace {
 
 using fixtures::random_point;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 Collider tumbling_box() {
   Collider c;

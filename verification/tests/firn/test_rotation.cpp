@@ -3,17 +3,15 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <limits>
 
 #include "firn/rotation.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/support/points.hpp"
 
 namespace firn {
 namespace {
 
 using fixtures::random_direction;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 TEST(Rotation, SineAndCosineAgreeWithExtendedPrecision) {
   for (const double scale : {1.0, 10.0, 1e3, 1e6, 1e9})

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "firn/shape.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/support/points.hpp"
 
 namespace firn {
@@ -13,8 +14,6 @@ namespace {
 
 using fixtures::random_direction;
 using fixtures::random_point;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 // Distances here are of size 1 and made of a few operations on numbers up to 3.
 constexpr double rounding = 16 * eps;

@@ -23,7 +23,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-Scene implicit(Scene scene) {
+Scene semi_implicit(Scene scene) {
   scene.integrator = {IntegratorType::semi_implicit, 0.9, 1e-6, 1000};
   return scene;
 }
@@ -35,7 +35,7 @@ class Targets : public testing::Test {
 
 TEST_F(Targets, EveryOneIsDispatchedAndValid) {
   const Scene scenes[] = {collision_of_everything(), periodic_snow(true), periodic_snow(false),
-                          implicit(collision_of_everything())};
+                          semi_implicit(collision_of_everything())};
   Registry registry;
   register_solvers(registry);
   const auto reference = registry.create("reference", {});
@@ -70,7 +70,7 @@ TEST_F(Targets, EverythingThatTheProcessorHasIsThere) {
 /// and the four nodes in z are always added as (0+2) + (1+3). Only SSE4 differs: it
 /// has no fused multiply-add.
 TEST_F(Targets, FusedMultiplyAddMakesTheSameBitsEverywhere) {
-  for (const Scene& scene : {collision_of_everything(), implicit(collision_of_everything())})
+  for (const Scene& scene : {collision_of_everything(), semi_implicit(collision_of_everything())})
     for (const Precision precision : {Precision::float64, Precision::float32}) {
       std::vector<State> states;
       for (const std::string& target : optimized_targets()) {
@@ -90,7 +90,7 @@ TEST_F(Targets, FusedMultiplyAddMakesTheSameBitsEverywhere) {
 /// A solver's memory is laid out for its instruction set: another solver that is made for
 /// another one must not change it.
 TEST_F(Targets, ASolverKeepsItsOwn) {
-  Scene scene = implicit(collision_of_everything());
+  Scene scene = semi_implicit(collision_of_everything());
   scene.time.step *= 4;
   for (const Precision precision : {Precision::float64, Precision::float32}) {
     std::vector<State> states;

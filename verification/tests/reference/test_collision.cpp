@@ -5,12 +5,11 @@
 
 #include "reference/collision.hpp"
 #include "reference/steps.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/tests/reference/scenes.hpp"
 
 namespace firn::reference {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 Contact floor_contact() { return {-0.1, Vec3::UnitZ(), Vec3::Zero()}; }
 

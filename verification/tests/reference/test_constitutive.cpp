@@ -6,6 +6,7 @@
 
 #include "reference/constitutive.hpp"
 #include "reference/polar.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/tests/reference/scenes.hpp"
 
 namespace firn::reference {
@@ -14,7 +15,6 @@ namespace {
 using test::Random;
 using WideMat3 = Eigen::Matrix<long double, 3, 3>;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 const Lame snow{1.4e5 / 2.4, 1.4e5 * 0.2 / (1.2 * 0.6)};  // E_0 = 1.4e5, ν = 0.2
 
 Mat3 random_F(Random& random, double size = 0.1) { return Mat3::Identity() + size * random.mat3(); }

@@ -7,12 +7,12 @@
 
 #include "reference/kernel.hpp"
 #include "reference/stencil.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/tests/reference/scenes.hpp"
 
 namespace firn::reference {
 namespace {
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
 using Wide = long double;
 
 /// The kernel as printed, in extended precision, 2000 times finer than double.

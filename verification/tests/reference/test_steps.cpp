@@ -7,12 +7,11 @@
 #include "reference/exp.hpp"
 #include "reference/polar.hpp"
 #include "reference/steps.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/tests/reference/scenes.hpp"
 
 namespace firn::reference {
 namespace {
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// Particles and the grid around them, in the middle of nothing.
 struct Small {

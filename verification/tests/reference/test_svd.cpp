@@ -9,6 +9,7 @@
 
 #include "reference/polar.hpp"
 #include "reference/svd.hpp"
+#include "verification/support/eps.hpp"
 #include "verification/tests/reference/scenes.hpp"
 
 namespace firn::reference {
@@ -19,14 +20,12 @@ using Wide = long double;  // 64 bits of mantissa: 2000 times finer than what is
 using WideMat3 = Eigen::Matrix<Wide, 3, 3>;
 using WideVec3 = Eigen::Matrix<Wide, 3, 1>;
 
-constexpr double eps = std::numeric_limits<double>::epsilon();
-
 struct Family {
   std::string name;
   std::function<Mat3(Random&)> draw;
 };
 
-Mat3 random_rotation(Random& random) {
+Mat3 random_frame(Random& random) {
   const Vec3 a = random.vec3().normalized();
   const Vec3 b = a.cross(random.vec3()).normalized();
   Mat3 R;
@@ -35,7 +34,7 @@ Mat3 random_rotation(Random& random) {
 }
 
 Mat3 with_singular_values(Random& random, const Vec3& sigma) {
-  return random_rotation(random) * sigma.asDiagonal() * random_rotation(random).transpose();
+  return random_frame(random) * sigma.asDiagonal() * random_frame(random).transpose();
 }
 
 Mat3 random_integers(Random& random) {
@@ -65,8 +64,8 @@ std::vector<Family> families() {
   return {
       {"snow", [](Random& r) -> Mat3 { return Mat3::Identity() + 0.03 * r.mat3(); }},
       {"uniform", [](Random& r) { return r.mat3(); }},
-      {"rotation", random_rotation},
-      {"scaled_rotation", [](Random& r) -> Mat3 { return 7 * r() * random_rotation(r); }},
+      {"rotation", random_frame},
+      {"scaled_rotation", [](Random& r) -> Mat3 { return 7 * r() * random_frame(r); }},
       {"nearly_equal",
        [](Random& r) { return with_singular_values(r, Vec3::Ones() + 4 * eps * r.vec3()); }},
       {"close_pair",

@@ -12,6 +12,7 @@
 #include "io/trajectory/reader.hpp"
 #include "simulation/simulate.hpp"
 #include "verification/support/ballistic_solver.hpp"
+#include "verification/support/bytes_of.hpp"
 #include "verification/support/same_state.hpp"
 #include "verification/support/scenes.hpp"
 #include "verification/support/temporary_folder.hpp"
@@ -24,11 +25,6 @@ using fixtures::BallisticSolver;
 using fixtures::same_particles;
 using fixtures::TemporaryFolder;
 using fixtures::tiny_scene;
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(in), {});
-}
 
 /// The state after `steps` steps of a run that nothing disturbs.
 Particles undisturbed(const Scene& scene, std::int64_t steps) {

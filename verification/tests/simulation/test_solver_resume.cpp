@@ -8,6 +8,7 @@
 #include "io/trajectory/reader.hpp"
 #include "simulation/simulate.hpp"
 #include "verification/support/builtin_registry.hpp"
+#include "verification/support/bytes_of.hpp"
 #include "verification/support/temporary_folder.hpp"
 
 namespace firn {
@@ -16,28 +17,23 @@ namespace {
 using fixtures::builtin_registry;
 using fixtures::TemporaryFolder;
 
-struct ResumeCase {
+struct SolverResumeCase {
   std::string solver;
   Precision precision;
   bool adaptive;
 };
 
-void PrintTo(const ResumeCase& c, std::ostream* out) {
+void PrintTo(const SolverResumeCase& c, std::ostream* out) {
   *out << c.solver << " " << name(c.precision) << (c.adaptive ? " adaptive" : " fixed");
 }
 
 /// Every solver in every precision it has, with fixed and with adaptive steps.
-std::vector<ResumeCase> all_cases() {
-  std::vector<ResumeCase> cases;
+std::vector<SolverResumeCase> all_cases() {
+  std::vector<SolverResumeCase> cases;
   for (const SolverEntry& entry : builtin_registry().entries())
     for (const Precision precision : entry.precisions)
       for (const bool adaptive : {false, true}) cases.push_back({entry.name, precision, adaptive});
   return cases;
-}
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return std::string(std::istreambuf_iterator<char>(in), {});
 }
 
 Scene impact(bool adaptive) {
@@ -49,10 +45,10 @@ Scene impact(bool adaptive) {
   return scene;
 }
 
-class SolverResumes : public ::testing::TestWithParam<ResumeCase> {};
+class SolverResumes : public ::testing::TestWithParam<SolverResumeCase> {};
 
 TEST_P(SolverResumes, FromEveryFrameEqualsTheUninterruptedRun) {
-  const ResumeCase& resumed = GetParam();
+  const SolverResumeCase& resumed = GetParam();
   const TemporaryFolder folder;
   const Scene scene = impact(resumed.adaptive);
   const auto run = [&](const std::filesystem::path& output, const std::filesystem::path& from,

@@ -86,7 +86,7 @@ TEST_F(Compare, NamesTheWorstParticleAndTheFirstFrame) {
   const auto result = compare(three_frames(), b);
   EXPECT_FALSE(result.identical());
   EXPECT_TRUE(quantity(result, "position").identical);
-  const QuantityComparison& v = quantity(result, "velocity");
+  const QuantityComparison v = quantity(result, "velocity");
   EXPECT_EQ(v.different, 2);
   EXPECT_EQ(*v.first_different_time, 0.1);
   ASSERT_TRUE(v.worst);

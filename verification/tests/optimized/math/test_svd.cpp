@@ -61,7 +61,7 @@ class SvdKernel : public EveryTarget {};
 /// The bounds of every family. A dozen roundings of unit numbers stand behind each entry; random
 /// signs leave the 99.9th percentile at half of the largest.
 template <class T>
-void check_family(const Family& family, std::uint64_t seed) {
+void check_svd_family(const Family& family, std::uint64_t seed) {
   SCOPED_TRACE(family.name);
   const Sample<T> sample = make_sample<T>(family, matrices_per_family, seed);
   const auto computed = decompose(sample.A, kernels::batch_kernels<T>().svd);
@@ -94,12 +94,12 @@ void check_family(const Family& family, std::uint64_t seed) {
 
 TEST_P(SvdKernel, FamiliesInFloat) {
   std::uint64_t seed = 1;
-  for (const Family& f : svd_families()) check_family<float>(f, seed++);
+  for (const Family& f : svd_families()) check_svd_family<float>(f, seed++);
 }
 
 TEST_P(SvdKernel, FamiliesInDouble) {
   std::uint64_t seed = 1001;
-  for (const Family& f : svd_families()) check_family<double>(f, seed++);
+  for (const Family& f : svd_families()) check_svd_family<double>(f, seed++);
 }
 
 /// Zero, identity and signed diagonal matrices: Σ carries the entries' very bits.
