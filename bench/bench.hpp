@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// `firn bench`: what is measured, and how a run of it goes.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What the machine itself gives to several threads: solvers that share nothing.
 

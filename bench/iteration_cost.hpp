@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What a semi-implicit step costs, from steps at two tolerances and explicit ones beside them.
 

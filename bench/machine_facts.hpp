@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The machine and the build that figures belong to, and how noisy it is just now.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The operator of the semi-implicit update as plain scalar code in double, without blocks or
 /// vectors: what the optimized one is measured against.

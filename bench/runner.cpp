@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// How a run of `firn bench` goes: plan, skip what the file has, measure, judge, append.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Workloads in which one skip of the optimized solver applies, or just does not.
 

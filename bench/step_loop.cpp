@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// A few steps of a benchmark block and nothing else, to be counted or profiled from outside:
 ///
 ///   cmake --build --preset release --target firn_step_loop

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A subject of the benchmark as the studies (verification/studies) take it.
 

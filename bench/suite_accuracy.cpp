@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Run time against error: exact solutions over h, Δt, the policy for α, precision,
 /// explicit and semi-implicit.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What float costs in accuracy: creeping motion, small strain rates, distance from
 /// the origin, drift against double over a long run.
 

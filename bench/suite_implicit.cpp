@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Semi-implicit against explicit steps: iterations, what one of them costs, wall time per
 /// simulated second, and time to a given error, at three stiffnesses.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// One iteration of the semi-implicit solve in the middle of an impact, beside an explicit step
 /// and beside plain scalar code; everything takes turns.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The suite `kernels`: first those below the interface of solvers (bench/kernels), then
 /// single stages as kernels: particles that stay in the cache, every instruction set.
 /// Each is judged by the lockstep check, with its derived bounds, before it is timed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Machine probes: the ceilings that the rates of the steps are held against.
 
 #include "bench/probes.hpp"

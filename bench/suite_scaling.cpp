@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Flatness over the number of particles and efficiency over threads, as ratios inside one
 /// interleaved run.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What leaving out saves, skip by skip, and what each instruction set brings. Both are
 /// chosen by the environment variables that the optimized solver documents.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The plastic snowball has no formal order of convergence: bands over seeds, never an order.
 
 #include <cmath>

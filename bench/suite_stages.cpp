@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Where the time of a step goes, and how near its halves come to the machine's ceilings.
 
 #include <algorithm>

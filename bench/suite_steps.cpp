@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Particle-steps per second: whole steps over sizes and threads, and against the reference
 /// in one interleaved run.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What each solver does where it hurts: a few particles each, twenty steps. The only
 /// thing that is never right is a number that is not finite and nobody told.
 

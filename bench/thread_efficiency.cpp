@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "bench/thread_efficiency.hpp"
 
 #include <chrono>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// How much of n processors n threads use, as a figure that another run reproduces.
 

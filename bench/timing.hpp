@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// How solvers are timed: loaded, warmed up, stepped a chosen number of times per repetition.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Blocks of snow of a chosen size in which, by construction, every particle stays
 /// elastic or every particle yields in every step.

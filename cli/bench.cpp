@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn bench: measures, and keeps every repetition.
 
 #include "bench/bench.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn check: a solver against the reference, stage by stage.
 
 #include "verification/check/check.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn compare: two trajectories, also ones that other programs wrote.
 
 #include "io/trajectory/compare.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn info: build, processor, instruction set, versions.
 
 #include <CLI/Version.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn: simulate, check, compare and measure material point codes for snow.
 
 #include <CLI/App.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "cli/mutation_score.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Options that several verbs share, declared once so that they behave the same everywhere.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A progress bar on stderr, drawn only where stderr is a terminal.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn report: hands over to the Python package in reports/, which reads HDF5 and nothing else.
 
 #include <filesystem>

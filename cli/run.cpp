@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn run: simulates a scene and writes a trajectory.
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn scenes: the built-in scenes.
 
 #include <fmt/core.h>

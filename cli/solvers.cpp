@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn solvers: what is registered.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn teach: records one step of the reference, checks the optimized solver on it, and hands
 /// both to the Python package in teach/, which makes the pages.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The verbs of the program, one file each. add_VERB() declares the verb's
 /// options; its callback does the work and leaves the exit status.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn verify: the suites are a program of their own, firn-verify, which has the test
 /// framework in it; this verb is its name.
 

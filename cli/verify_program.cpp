@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// firn-verify, the program behind `firn verify`: tests a solver against everything that is
 /// known about the method.
 

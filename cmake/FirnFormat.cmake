@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Targets that judge the text of the code: format-check, format, tidy.
 # All three want version 14 of the tools (other versions format differently) and
 # exist only where it is installed: apt-get install clang-format-14 clang-tidy-14.

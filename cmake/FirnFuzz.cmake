@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Fuzz targets. A target is one source file with LLVMFuzzerTestOneInput.
 #
 # With FIRN_BUILD_FUZZERS (clang only) everything is compiled with coverage and

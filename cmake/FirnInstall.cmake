@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Installation: the programs, every library made by firn_add_library() that is not INTERNAL, the
 # public headers, and the package Firn for find_package(). Included last, when all targets exist.
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # The Python that ./run set up, and the tests that check the text of every Python file.
 
 set(FIRN_PYTHON "" CACHE FILEPATH

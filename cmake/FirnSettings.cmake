@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Compiler settings and the functions with which every folder declares itself.
 
 set(CMAKE_CXX_STANDARD 20)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Toolchain of the preset `arm64`: Debian's cross compiler (g++-aarch64-linux-gnu), the libraries
 # of cmake/arm64_sysroot.sh, and qemu-aarch64 (Debian's qemu-user) wherever a built program is run.
 set(CMAKE_SYSTEM_NAME Linux)

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # What Firn needs of Debian 12 for 64-bit Arm, unpacked into one folder for the preset `arm64`.
 # Needs no root; the host's own packages are neither asked nor touched.
 #   cmake/arm64_sysroot.sh [FOLDER]     build/arm64-sysroot by default

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # cmake -DGIT= -DCLANG_FORMAT= -DFOLDERS= -DMODE=format|format-check -P run_clang_format.cmake
 execute_process(COMMAND ${GIT} ls-files --cached --others --exclude-standard ${FOLDERS}
   OUTPUT_VARIABLE files COMMAND_ERROR_IS_FATAL ANY)

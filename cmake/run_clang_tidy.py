@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Runs clang-tidy over the files of compile_commands.json, two at a time; exits 1 on findings.
 
 Generated files and the folders that are no code of ours are left out. A file whose content,

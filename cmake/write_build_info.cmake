@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Run at every build: the commit may have changed since the last configure. The
 # file is rewritten only when its text changes.
 set(GIT_COMMIT unknown)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "firn/collider.hpp"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The two ways in which Firn fails: invalid input (exit 2, nothing written) and a
 /// failed simulation (exit 3, last good state kept). io/output_error.hpp has a third.

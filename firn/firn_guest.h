@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* The C ABI through which a shared library becomes a Firn solver:
  *
  *     firn check snowball_drop --solver ./libmine.so

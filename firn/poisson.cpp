@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "firn/poisson.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Blue noise: random points, no two of them closer than a given distance.
 

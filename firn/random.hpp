@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Random numbers as a pure function of a seed and of indices: no state, no dependence on the
 /// order of calls, the same bits from every compiler (std:: distributions promise none of this).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Solvers by name: the one door to every solver. Nothing registers itself: the composition
 /// root (solvers/solvers.cpp) names those that come with Firn, a third party adds its own by

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Rotations by an angle, without the C library's sine and cosine: those of
 /// glibc and of WebAssembly's musl differ in the last bit.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A signed distance known at the points of a dense grid: what meshes and
 /// level-set files become. Plain arrays, no library.

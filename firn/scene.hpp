@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A scene as the TOML file defines it, with every value checked.
 /// `io/scene/scene_file.hpp` reads one; a program may also fill one itself.

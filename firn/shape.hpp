@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Shapes as signed distances: bodies are sampled inside them, colliders push
 /// particles out of them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The one interface behind which every solver stands: the reference, the
 /// optimized one, the mutants, and anybody's own.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The ten stages of one time step (Stomakhin et al. 2013, section 4.1), the
 /// backbone of the project: stage = function = test = timer = report row =

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Everything that a time step reads and writes, always in double: a solver
 /// that computes in float converts at load() and store(), both exactly where

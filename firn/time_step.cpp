@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "firn/time_step.hpp"
 
 namespace firn {

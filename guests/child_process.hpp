@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A program run beside Firn, with a time limit on everything that waits for it.
 

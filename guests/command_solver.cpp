@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "guests/command_solver.hpp"
 
 #include <cstdlib>

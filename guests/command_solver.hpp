@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A solver that is a command: it reads a trajectory, takes steps, writes a trajectory.
 

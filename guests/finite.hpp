@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Non-finite numbers, which a guest must not return in `firn run`; `firn check` finds them itself.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Other people's solvers behind the interface of Firn, each in a process of its own:
 /// whatever goes wrong there (a crash, an endless loop, a wrong answer) becomes a

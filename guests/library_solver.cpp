@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "guests/library_solver.hpp"
 
 #include <cmath>

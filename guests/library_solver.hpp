@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Firn's side of a shared library that runs in the process of `firn-guest`.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Passes what a guest prints on to standard error, up to a limit.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Messages between Firn and a guest's process: a kind, a length, and bytes.
 /// Both ends run on one machine from one build, so values travel as they lie in memory.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What is not trusted, in a process of its own. It answers questions on file
 /// descriptor 3 until that is closed.
 ///

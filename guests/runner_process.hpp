@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The program firn-guest, started with a channel to it: what might crash or hang
 /// happens there.

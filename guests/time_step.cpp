@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "guests/time_step.hpp"
 
 #include <Eigen/LU>

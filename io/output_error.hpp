@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The third way to fail: the disk (firn/error.hpp has the other two).
 

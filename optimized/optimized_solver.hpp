@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The fast solver: explicit and semi-implicit integration in float or double, on any number
 /// of threads.

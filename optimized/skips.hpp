@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What the solver leaves out where a scene does not need it. Every skip has a
 /// switch, so that its effect can be measured and its harmlessness proven.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The constitutive model: everything that the steps ask of a material. Snow's
 /// elasto-plastic energy density (Stomakhin et al. 2013, section 5) is

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reference/diagnostics.hpp"
 
 #include <Eigen/Geometry>

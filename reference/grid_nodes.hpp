@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Between the solver's grid, which has every node within reach of a particle,
 /// and that of a State, which has the nodes of positive mass.

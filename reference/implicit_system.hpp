@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The linear system of the semi-implicit update, as an operator on node
 /// velocities. The derivation stands in step_06_integration.cpp.

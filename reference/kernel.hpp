@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The cubic B-spline from which all weights are made (Stomakhin et al. 2013,
 /// section 4):

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The plain solver against which others are judged: sequential, double
 /// precision, one function per step of the paper. The steps are in steps.hpp; here

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Which nodes a particle touches, and with which weights. Computed once at the
 /// beginning of a step: positions move only at its end.

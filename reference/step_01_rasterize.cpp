@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "reference/failure.hpp"
 #include "reference/steps.hpp"
 #include "reference/transfer.hpp"

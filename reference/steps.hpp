@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The ten steps of one time step as the paper lists them (Stomakhin et al.
 /// 2013, section 4.1), one function and one file each. `scene` holds the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The transfer: what passes between a particle p and the nodes i around it, in
 /// both directions. PIC/FLIP as in Stomakhin et al. 2013, section 4.1; nothing

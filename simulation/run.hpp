@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// One run of simulate(): the clock, the state to fall back to, the file.
 /// run_start.cpp holds what happens before the first step, simulate.cpp the rest.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Runs a scene on a solver: frames, diagnostics, resuming, and an orderly end
 /// whatever happens.

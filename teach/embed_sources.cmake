@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Writes OUTPUT, a C++ file that holds the text of every file in SOURCES (paths from ROOT).
 set(code "// Generated from reference/ by embed_sources.cmake.\n")
 string(APPEND code "#include \"teach/sources.hpp\"\n\nnamespace firn::teach {\n\n")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Planted bugs by number, so that their names do not give them away:
 /// `firn check SCENE --solver exercise:3`.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// One time step of the reference solver, recorded after every stage: what
 /// `firn teach` shows.

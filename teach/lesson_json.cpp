@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "teach/lesson_json.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A lesson as JSON text. Numbers are the shortest decimals that read back as the
 /// same double, so what a page prints is what the solver computed.

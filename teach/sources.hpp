@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The reference solver's own source, embedded by the build from the files that
 /// it compiles, so that a lesson shows what really ran.

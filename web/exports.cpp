@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Session as C functions, for JavaScript. One session at a time.
 
 #include <memory>

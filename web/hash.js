@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The same as native_hash.cpp, in WebAssembly under Node:
 //   node hash.js firn_web.js PRESET STEPS [PARAMETER=VALUE…]
 const path = require('path');

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Prints the hash of a session after some steps: what the same session must reach as
 /// WebAssembly.   firn_web_hash PRESET STEPS [PARAMETER=VALUE…], PARAMETER by its number
 

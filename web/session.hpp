@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The reference solver on a small scene, one stage at a time: what the interactive
 /// page of a lesson runs in the browser, and what the tests run natively.

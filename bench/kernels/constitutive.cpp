@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The box test, the stress, the return mapping and the Hessian of one particle.
 
 #include "reference/constitutive.hpp"

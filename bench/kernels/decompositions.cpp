@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Singular value decompositions and polar factors, beside Eigen's and GSL's.
 
 #include <Eigen/Dense>

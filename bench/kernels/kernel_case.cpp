@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "bench/kernels/kernel_case.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The matrices on which decompositions are timed, and how good a decomposition is.
 

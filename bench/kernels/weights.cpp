@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The weights of one particle: N and N' at four nodes along three axes.
 
 #include <algorithm>

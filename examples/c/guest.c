@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* A complete solver for Firn as a shared library:
  *
  *     cc -std=c11 -O2 -ffp-contract=off -fPIC -shared -I FIRN -o libmpm.so *.c -lm

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* Small vectors and 3x3 matrices: 3 and 9 consecutive doubles, row-major. */
 #ifndef MAT3_H
 #define MAT3_H

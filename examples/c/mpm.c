@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* The ten steps, in the paper's order. */
 #include "mpm.h"
 

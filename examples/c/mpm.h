@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* The material point method for snow (Stomakhin et al. 2013, section 4.1) in
  * plain C: one function per step of the paper, double precision, sequential.
  * The names are the paper's. Vectors are 3 consecutive doubles, matrices 9 in

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* Which nodes a particle touches, and with which weights. */
 #include <math.h>
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The material point method for snow (Stomakhin et al. 2013, section 4.1) in NumPy.
 
     firn check tiny_impact --solver "exec:python3 mpm.py {in} {out} {steps}"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// HDF5 identifiers that close themselves, and its error stack as one line.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Reading HDF5 files that are not trusted. Every function throws InputError
 /// with "FILE: OBJECT: …".

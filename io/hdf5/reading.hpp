@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// HDF5 1.10 itself crashes on some damaged files, because it trusts the lengths they state.
 /// Checking them beforehand would mean writing HDF5 again, but a program can at least report

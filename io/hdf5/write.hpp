@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Creating and filling HDF5 objects. Every function throws OutputError, which
 /// names the object and the reason.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Shapes from files: closed triangle meshes and level sets, as distances on a grid.
 

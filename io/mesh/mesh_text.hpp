@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Words and numbers of untrusted text, for the mesh readers.
 

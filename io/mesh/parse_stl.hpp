@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// STL: a list of triangles, as text or binary (little endian).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A surface of triangles and what makes it the boundary of a solid.
 

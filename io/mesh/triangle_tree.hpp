@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Exact distance to a set of triangles: a tree of bounding boxes.
 

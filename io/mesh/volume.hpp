@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Everything that needs OpenVDB: implemented with it in volume_openvdb.cpp, and as an error
 /// without it in volume_missing.cpp.

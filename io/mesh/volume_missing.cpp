@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "firn/error.hpp"
 #include "io/mesh/mesh_shape.hpp"
 #include "io/mesh/volume.hpp"

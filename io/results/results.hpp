@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What `firn bench` and `firn verify` write and `firn report` reads; the file
 /// format is documented in docs/results_schema.md.

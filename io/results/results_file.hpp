@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A results file on disk. Every append leaves a complete file behind: it is
 /// written to a copy, which then takes the old one's name, so that a kill at any

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "io/scene/builtin_scenes.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Writes OUTPUT, a C++ file that holds the text of every file in SCENES.
 set(code "// Generated from scenes/*.toml by embed_scenes.cmake.\n")
 string(APPEND code "#include \"io/scene/builtin_scenes.hpp\"\n\nnamespace firn {\n\n")

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <system_error>
 
 #include "io/mesh/mesh_shape.hpp"

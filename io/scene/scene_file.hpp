@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Scenes from TOML. Every key is documented in docs/scene_format.md. An unknown key, a
 /// value out of range or a file that cannot be read is an InputError.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A TOML table whose getters check presence, type and range. Every error is one
 /// line that names file, line, key, value and what is allowed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "io/trajectory/check_particles.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A row of /firn/diagnostics: the state's diagnostics and what the step's solve left.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The file of a TrajectoryWriter: laid out at full size once, then filled slot
 /// by slot.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What writer and reader of trajectories share: names, units and shapes.
 ///

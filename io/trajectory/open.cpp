@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Opening a trajectory: everything is checked that can be without reading the
 /// particles.
 

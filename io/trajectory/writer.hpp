@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Writes a trajectory so that it survives `kill -9` at any moment.
 

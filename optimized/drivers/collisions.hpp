@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Stages 5 and 9 of one block: which colliders it may touch, and what they do.
 

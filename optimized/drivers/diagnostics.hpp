@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Sums over all particles, block by block on any thread, the blocks' sums added in
 /// the order of the blocks: the same bits at any number of threads.

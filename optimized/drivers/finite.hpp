@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What stage by stage is found not to be finite, named by particle or node.
 

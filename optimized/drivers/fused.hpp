@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The whole step in three passes: particles to tiles, tiles to nodes, nodes to
 /// particles. Node fields live in a thread's own memory for one node block at a time; a

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The fields of the nodes of positive mass, from and to a State between two stages.
 

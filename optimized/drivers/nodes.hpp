@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// From particles to node blocks and back: stages 1 and 3, and what stages 7 and 8 gather.
 

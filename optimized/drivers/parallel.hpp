@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Loops over blocks on all threads. Which thread takes which block has no influence on any bit.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// From node blocks to particles: stages 7 to 10 over all blocks.
 

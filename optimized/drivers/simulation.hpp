@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// One simulation in blocks: all data of the optimized solver, and no code. The two drivers are
 /// fused_step() and run_stage(); the other files of this folder each do one thing for both.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The step stage by stage, with the kernels of the fused step and every field kept: for those who
 /// look between two stages, and to find out where a number stops being finite.

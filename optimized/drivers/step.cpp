@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "optimized/drivers/step.hpp"
 
 #include "optimized/drivers/parallel.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "optimized/drivers/time_step.hpp"
 
 #include <Eigen/Dense>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The operator of the semi-implicit update on one block of particles: the gradient of
 /// a node field (gradient-inl.h), multiplied by the second derivative of the energy, and
 /// scattered (force-inl.h).

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Inner forces add up to 0, exactly or to the roundoff of the type in which they are scattered; if
 /// that is narrower than the fields', momentum would drift. What a tile's forces lack is given to

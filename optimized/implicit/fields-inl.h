@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Work of the semi-implicit solve on the nodes of one node block: from tiles to planar
 /// fields, and the vector operations of MINRES. Inner products are Σ m a·b, in as many partial
 /// sums as the widest vector has lanes, which are added as doubles: the same order always.

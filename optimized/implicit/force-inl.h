@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Second half of the semi-implicit operator: a matrix per particle, scattered as the force of
 /// stage 3. The form of the sums in x is that of p2g-inl.h, for 3 channels instead of 7.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "optimized/implicit/free_directions.hpp"
 
 #include <algorithm>

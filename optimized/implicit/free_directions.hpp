@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Projectors onto the directions that contact leaves free, kept for the node blocks in which they
 /// are not all of them.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// First half of the semi-implicit operator: the gradient of a node field at particles, gathered as
 /// in stage 7. The form of the sums in x is that of g2p-inl.h, for 3 channels instead of 6.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The kernels of the semi-implicit solve as its drivers see them, one table per pair
 /// of types and instruction set.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The float kernels of the semi-implicit solve, compiled once for every instruction set.
 
 #undef HWY_TARGET_INCLUDE

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Memory of the semi-implicit solve, shared by its drivers and its kernels.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The particles as the operator sees them: what is found of each once per step, from its F_E.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What step 6 owns from one step to the next. The vectors of a solve are not among it: they lie in
 /// memory that the explicit step lends (vectors.hpp).

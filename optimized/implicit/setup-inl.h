@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What the semi-implicit solve prepares once per step: the factors of every particle.
 
 #if defined(FIRN_OPTIMIZED_IMPLICIT_SETUP_INL_H_) == defined(HWY_TARGET_TOGGLE)

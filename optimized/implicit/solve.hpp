@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The solve of step 6: MINRES with the operator in float inside an iterative refinement whose
 /// residuals are found in double.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The linear system of the semi-implicit update on blocks and tiles,
 ///   B v = v*,   B v = v + βΔt² M⁻¹H v   (Stomakhin et al. 2013, section 6),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The vectors of a solve and the fields of its operator, typed views of memory that the explicit
 /// step lends while it solves: its tiles, and what stages 7 and 8 gather.

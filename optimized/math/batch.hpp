@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The per-particle kernels over arrays: for tests, benchmarks and anybody who wants
 /// only the decomposition. The solver calls the -inl.h kernels directly.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// "Are all singular values of F_E inside [1−θ_c, 1+θ_s]?" without computing them.
 
 #if defined(FIRN_KERNELS_ELASTIC_BOX_INL_H_) == defined(HWY_TARGET_TOGGLE)

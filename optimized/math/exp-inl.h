@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// e^x for the hardening factor e^{ξ(1−J_P)}, the same bits wherever fused
 /// multiply-add exists (libm's differ between C libraries).
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Semi-implicit update: the second derivative of the energy, applied to a velocity gradient. All
 /// that a particle needs is found once per step and takes 15 numbers; applying it takes no
 /// decomposition.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Small dense algebra on vectors: every lane is one particle.
 ///
 /// Per-target header in the manner of Highway: it is compiled once for each

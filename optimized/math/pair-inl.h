@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Two vectors as one. The kernels of this folder are written for a Highway tag D and
 /// its vectors; with PairOf<D> the same bodies work on twice as many particles, the
 /// operations of the two halves side by side in the instruction stream: where one

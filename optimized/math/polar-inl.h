@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The rotation R of F = R S, det R = +1.
 
 #if defined(FIRN_KERNELS_POLAR_INL_H_) == defined(HWY_TARGET_TOGGLE)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Step 7: clamp the singular values of F̂_E to [1−θ_c, 1+θ_s] and move the rest into F_P.
 
 #if defined(FIRN_KERNELS_RETURN_MAP_INL_H_) == defined(HWY_TARGET_TOGGLE)

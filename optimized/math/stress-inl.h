@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Fixed corotated stress, from D = F_E − I so that small strains keep their relative accuracy.
 
 #if defined(FIRN_KERNELS_STRESS_INL_H_) == defined(HWY_TARGET_TOGGLE)

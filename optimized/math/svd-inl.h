@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Singular value decomposition A = U Σ Vᵀ of 3x3 matrices, one in every lane, to
 /// full working accuracy.
 ///

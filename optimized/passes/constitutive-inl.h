@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stress and return map of a vector of particles, put together from
 /// optimized/math: what a lane gets never depends on its neighbours.
 ///

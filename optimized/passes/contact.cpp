@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "optimized/passes/contact.hpp"
 
 namespace firn::optimized {

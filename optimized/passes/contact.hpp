@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Stages 5 and 9: contact of nodes and particles with the scene's colliders.
 

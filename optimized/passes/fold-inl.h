@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The last contraction of the gather, over z: L particles' rows in, one vector of
 /// L particles per channel out, out[c][l] = Σ_z row_l[z][c].
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The gather of stages 7 and 8: Σ v_new ⊗ ∂w_ip and Σ (v_new − α vⁿ) w_ip.
 ///
 /// In x the node values are held as value V, difference Δ and second difference S,

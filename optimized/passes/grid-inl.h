@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stages 1, 3, 4 and 6 on the 4×4×4 nodes of a node block. Collisions (stage 5)
 /// come between and are plain code (contact.hpp).
 

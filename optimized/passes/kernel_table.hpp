@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The kernels as the drivers see them: one table of functions per precision and
 /// instruction set, chosen at run time. Everything crosses as plain pointers.

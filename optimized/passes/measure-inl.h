@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Elastic energy of a block's particles, from the stress that is at hand.
 
 #if defined(FIRN_OPTIMIZED_MEASURE_INL_H_) == defined(HWY_TARGET_TOGGLE)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stages 1 and 3, P2G: m_i = Σ m_p w_ip, (m v)_i = Σ m_p v_p w_ip and
 /// Σ_p (V P Fᵀ)_p ∂w_ip, of one block onto its own tile of 7×7×7 nodes.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Positions inside a block and the kernel weights that follow from them, one
 /// particle in every lane.
 ///

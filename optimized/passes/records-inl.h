@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The first half of P2G: from particles in chunks to one record per particle,
 /// sorted by cell, with everything in it that the scatter needs.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stencil rows: the 4 nodes in z that a particle touches, times C channels.
 ///
 /// A vector of L lanes holds C = L/4 channels of 4 nodes, channel fastest:

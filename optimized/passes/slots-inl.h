@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Reading and writing the slots of a vector of particles, or of two side by side, and finding the
 /// first particle whose numbers are not finite.
 

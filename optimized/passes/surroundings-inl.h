@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The node values around a block, 7×7×8 of them, put together from its node blocks: what
 /// stages 7 and 8 gather from, and what the semi-implicit operator of step 6 gathers from.
 /// A field has `rows` stencil rows per node.

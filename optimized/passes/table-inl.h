@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The kernels of one instruction set, collected.
 
 #if defined(FIRN_OPTIMIZED_TABLE_INL_H_) == defined(HWY_TARGET_TOGGLE)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stages 7, 8 and 10: a block's particles from the node values around it.
 
 #if defined(FIRN_OPTIMIZED_UPDATE_INL_H_) == defined(HWY_TARGET_TOGGLE)

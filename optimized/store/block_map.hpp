@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Block coordinates to numbers: a hash table with open addressing.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Where blocks and node blocks lie, along open and periodic axes.
 ///

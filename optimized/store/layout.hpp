@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// How the optimized solver lays its numbers out in memory: plain data that the
 /// drivers (compiled for the baseline instruction set) and the kernels (compiled

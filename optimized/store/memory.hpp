@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Aligned memory that grows and never shrinks, and pages of particles.
 

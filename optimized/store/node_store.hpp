@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The node blocks that the particles reach, who contributes to each, and who
 /// gathers from where.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Particles from and to a State, and what a restart needs beyond it.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The particles in blocks of 4×4×4 cells, and how they move between blocks.
 

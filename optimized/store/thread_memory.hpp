@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The scratch memory of one thread, and how much work it takes at a time.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Reads Firn's HDF5 files and tells what is in them on one HTML page.
 
 trajectory.py, results.py   what the files hold

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """python -m firn_reports FILE [--check CHECK.json]… [--baseline OLD.h5] [-o DIR]"""
 
 import argparse

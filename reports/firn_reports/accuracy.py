@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Run time against error: figures and tables of the suite `accuracy`."""
 
 from collections.abc import Callable, Sequence

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Times to reach an error, and observed orders: tables of the suite `accuracy`."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What became faster or slower than in an older results file, beyond the noise."""
 
 from dataclasses import dataclass

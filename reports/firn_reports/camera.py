@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The orthographic camera of the picture of the particles."""
 
 import copy

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Every session, case and repetition of a results file as tables."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What `firn check --json` prints: the verdict, the fields that each stage wrote, properties."""
 
 from pathlib import Path

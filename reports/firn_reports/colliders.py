@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Signed distances of a scene's analytic colliders, for pictures and the reach of free flight."""
 
 import numpy as np

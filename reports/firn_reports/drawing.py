@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What the figures of several suites are drawn with: labels, line styles, horizontal bars."""
 
 from collections.abc import Callable, Iterable, Sequence

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Single precision beside double, and what each solver did under stress."""
 
 from collections.abc import Sequence

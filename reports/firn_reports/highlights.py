@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The few numbers of a results file that its summary quotes."""
 
 import re

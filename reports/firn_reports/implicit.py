@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """When semi-implicit steps pay: figures and tables of the suite `implicit`."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Instruction sets and single kernels."""
 
 from typing import Any

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Names of types that several modules use."""
 
 from typing import Any, TypeAlias

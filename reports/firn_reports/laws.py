@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The laws that momentum and centre of mass obey in free flight."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Where it stops working: figures and tables of the suites `stability`, `stress` and `float`."""
 
 import math

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What a page is made of: a verdict, tiles of numbers, sections of figures, tables and logs."""
 
 import base64

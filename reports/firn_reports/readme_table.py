@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The summary of a results file as a Markdown table, for the README."""
 
 from collections.abc import Iterable, Sequence

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A results file (format firn-results): measured cases, sessions, verifications, mutants.
 
 docs/results_schema.md describes the format.

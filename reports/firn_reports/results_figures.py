@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The figures of a results page, small panels that say one thing each."""
 
 from collections.abc import Sequence

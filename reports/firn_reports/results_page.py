@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The page of a results file: the summary first, then what each suite found."""
 
 from . import baseline as comparison

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The sections of a results page, one per suite."""
 
 from collections.abc import Callable

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The top of a results page: verdict, numbers, and what deserves a look."""
 
 from collections.abc import Sequence

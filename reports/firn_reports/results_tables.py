@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The tables of a results page, and the few numbers that its summary quotes."""
 
 from collections.abc import Sequence

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Whole steps against the ceilings of the machine."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A picture of the particles: spheres in a depth buffer, lit, with the colliders and their shadows.
 
 NumPy only. Orthographic camera; the particles are splatted far to near, the

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """How fast steps are: rates, threads, stages, skips."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """One look for every figure: small panels, thin lines, colours that follow the page's theme."""
 
 import io

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Where the rays of the camera meet the colliders: sphere tracing through signed distances."""
 
 import numpy as np

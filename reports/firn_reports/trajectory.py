@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A trajectory file: the temporal PolyData layout under /VTKHDF and Firn's own part under /firn."""
 
 import tomllib

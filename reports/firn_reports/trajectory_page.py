@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The page of one trajectory: what happened, and whether the laws that must hold did."""
 
 from collections.abc import Sequence

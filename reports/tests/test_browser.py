@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The pages in a real browser: nothing broken or wider than the screen, no dead anchor."""
 
 import shutil

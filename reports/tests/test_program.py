@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """`firn report` hands every option over to this package."""
 
 import os

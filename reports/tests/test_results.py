@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Reading results, comparing them with a baseline, and the page that tells of them."""
 
 from pathlib import Path

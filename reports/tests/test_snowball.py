@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The picture shows particles where they are, in the colour of their J_P."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Reading, the laws of free flight, and the page of a trajectory."""
 
 import h5py

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Makes the pages of a lesson from lesson.json, which `firn teach` writes.
 
 lesson.py      the recorded step as arrays

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """python -m firn_teach lesson.json -o DIR [--web-module firn_web.js]"""
 
 import argparse

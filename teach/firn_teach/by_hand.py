@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Every stage once more, for one particle or one node, in a few lines of NumPy.
 
 Written from the equations, not from the reference: the pages show this code beside

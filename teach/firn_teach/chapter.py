@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The text of each page: one file of chapters/."""
 
 import itertools

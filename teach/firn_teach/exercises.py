@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Planted bugs, and parameters to play with. What the answers measure is run by measured.py."""
 
 import itertools

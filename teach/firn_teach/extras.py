@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The pages beside the stages: decomposition, semi-implicit step, optimized solver."""
 
 from typing import Any

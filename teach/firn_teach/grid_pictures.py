@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What happens on the grid: pictures of stages 1 to 6."""
 
 import numpy as np

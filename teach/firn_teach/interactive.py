@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The interactive page: its script, its style, and the solver as WebAssembly, all in one file."""
 
 from importlib import resources

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """lesson.json as arrays: the state before the step, and each field as the stages wrote it."""
 
 from pathlib import Path

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """$x$ and $$x$$ in a text become MathML, which browsers show without fonts or scripts of ours."""
 
 import re

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Commands of the exercises, run on this machine while the pages are made, for their answers."""
 
 import json

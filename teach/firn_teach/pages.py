@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Which page has what, and writing them: each is one HTML file that needs nothing else."""
 
 from collections.abc import Callable

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What happens to the particles: pictures of stages 7 to 10."""
 
 import numpy as np

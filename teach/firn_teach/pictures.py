@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What each stage looks like on the lesson's own scene, seen along y.
 
 Nodes are shown in the layer of the chosen node, particles within one cell of that layer;

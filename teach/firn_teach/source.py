@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The reference's own source, as the build embedded it."""
 
 import hashlib

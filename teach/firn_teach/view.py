@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The slice of a stage that its pictures show."""
 
 import numpy as np

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The lesson under test: made once, by the program, as a user would."""
 
 import json

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """What the pages say, against what the program computes and what it was compiled from."""
 
 import html

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Error bounds of steps 5 and 9: contact.
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Error bounds of steps 1 to 4: what the particles give to the grid.
 
 #include <Eigen/LU>

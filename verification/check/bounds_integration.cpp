@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Error bounds of step 6.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Error bounds of steps 7, 8 and 10: what the grid gives back to the particles.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// `firn check`: a solver judged against the reference, stage by stage.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Numbers of the subject against numbers of the reference: one FieldCheck row,
 /// filled over many steps.

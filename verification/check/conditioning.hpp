@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Condition numbers of the two matrix functions of the method: the stress of
 /// step 3 and the plastic return of step 7.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/check/fields.hpp"
 
 #include <limits>

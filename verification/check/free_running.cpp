@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Free running: both solvers start from the same state and go their own way with the
 /// reference's Δt.
 ///

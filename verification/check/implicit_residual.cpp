@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/check/implicit_residual.hpp"
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Does v_i^{n+1} solve the semi-implicit system? The one thing that the method
 /// promises of an iterative solve, whatever the solver, and the only thing that can be

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Lockstep: the subject is loaded with the reference's own state before every
 /// stretch of stages between two of its stops.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// How much roundoff each stage may show, before conditioning: the constants of
 /// the model, in units of eps of the subject's precision.

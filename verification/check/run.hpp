@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The parts of run_check(): the recorder of rows and divergences, and the two modes.
 

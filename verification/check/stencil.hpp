@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The weights around one particle together with what an error of its position
 /// does to them. Written for the checker alone: it judges solvers and shares no

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any bytes are either a triangle mesh or an InputError of one line.
 
 #include <cstddef>

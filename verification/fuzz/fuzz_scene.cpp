@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any text is either a scene whose resolved text reads back as itself, or an
 // InputError of one line.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Any bytes are either a trajectory, whose frames hold what its header says, or an
 // InputError of one line. HDF5 itself is not instrumented, and it has defects of its own
 // (see io/hdf5/reading.hpp): reads out of bounds inside the library are passed over, and

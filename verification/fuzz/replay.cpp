@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Runs every file of the folders on the command line through the fuzz target.
 
 #include <cstddef>

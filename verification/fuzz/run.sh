@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # run.sh NAME SECONDS [FOLDER]: runs build/fuzz/bin/fuzz_NAME for that long, new inputs in
 # FOLDER (default out/fuzz/NAME), starting from the corpus of the repository. Ends with 1 at
 # the first finding. fuzz_trajectory is started again where HDF5 itself has crashed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stages 5 and 9: collisions of nodes and of particles.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stage 7: deformation gradients and plasticity.
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stages 1, 2 and 4: masses, velocities, volumes, and the forces' work on them.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Mistakes in the weights, which every stage between particles and grid uses: 1, 2, 3, 7, 8.
 
 #include <Eigen/LU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The solver around a patched table of stages.
 
 #include "firn/error.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Deliberately wrong solvers: the reference with one small named patch each, one
 /// plausible mistake. Whoever claims to find mistakes has to find these:

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stages 8 and 10: what the particles take from the grid, and where they go.
 
 #include "reference/failure.hpp"

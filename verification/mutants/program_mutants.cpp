@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Mistakes of the program around the stages: what it keeps, swallows and chooses.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stage 6: integration, most of all the semi-implicit solve.
 
 #include <Eigen/LU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/mutants/stages.hpp"
 
 #include "reference/time_step.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The reference's step as a table of functions, and ways to patch one of them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Stage 3: constitutive law and forces.
 
 #include <Eigen/Eigenvalues>

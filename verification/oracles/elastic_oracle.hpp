@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The fixed corotated stress and the return mapping in long double, from the definitions.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The instruction sets that this processor has, asked of the processor itself and not of the
 /// library that dispatches.

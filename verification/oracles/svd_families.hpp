@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Families of 3x3 matrices that find the mistakes which random tests do not see.
 

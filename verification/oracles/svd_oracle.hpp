@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A plain singular value decomposition in long double, and the errors of somebody
 /// else's decomposition measured against it. It judges kernels in float and double:

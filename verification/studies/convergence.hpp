@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Errors against motions that are known in closed form (oracles/exact), over h, Δt and α.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What float costs in accuracy: creeping motion, small strain rates, distance from the origin,
 /// drift against the reference. Each measures a number that is 0 in exact arithmetic; the caller

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A plastic snowball falls on the ground. It has no formal order of convergence: the study gives
 /// bands over seeds, never an order.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The largest stable time step: by experiment, and as the linear theory predicts it.
 ///

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What linear theory says about the largest stable step.
 
 #include <algorithm>

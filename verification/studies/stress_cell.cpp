@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Situations of lone particles and of one cell of snow.
 
 #include <limits>

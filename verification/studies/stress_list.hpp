@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What breaks other codes: a few particles each, a few steps. A solver may go on or stop with an
 /// error that says where; what is never right is a number that is not finite without an error.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Situations of rows of particles; every number is exact in float.
 
 #include <cmath>

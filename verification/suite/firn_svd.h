@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* What a shared library exports so that `firn verify --svd ./libmine.so` can test its singular
  * value decomposition: one of these functions, or both.
  *

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What was compared, and how near it came to its bound: the numbers behind the verdict.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What several suites need: particles so far apart that each has its nodes to itself, the
 /// kernel in extended precision, sums over particles and nodes.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The verdict as a table and as JSON.
 
 #include <algorithm>

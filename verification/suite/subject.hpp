@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The solver under verification, as every suite sees it: through the interface alone.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Contact and friction, at nodes and at particles.
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What is conserved, exactly, whatever the particles do to each other.
 
 #include <Eigen/Geometry>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The constitutive law as the forces of lone particles show it.
 
 #include <Eigen/LU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// A solver is a function: the same input gives the same bits.
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Motions with exact discrete or closed solutions.
 
 #include <algorithm>

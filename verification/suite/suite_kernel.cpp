@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The cubic B-spline as a solver's own scatter and gather have it.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Against the reference: stage by stage from its own input, and running free.
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The semi-implicit solve, judged without knowing how it is done.
 
 #include <Eigen/Dense>

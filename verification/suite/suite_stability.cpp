@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The largest stable step, beside the predicted one.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What breaks other codes: each ends in a defined result or in an error that says where.
 
 #include <cmath>

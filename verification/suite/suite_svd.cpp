@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Singular values and rotations as a solver's own stress and plasticity use them: every family
 /// of matrices that finds what random ones do not.
 

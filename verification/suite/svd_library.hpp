@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// A tester for anybody's singular value decomposition, in a shared library.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The smallest solver that has everything a run driver can trip over: hidden
 /// digits that only the restart data carry, an adaptive time step, failures on

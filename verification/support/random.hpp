@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Random numbers, vectors and matrices for tests, suites, studies and benchmarks.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Random numbers, the same on every machine, unlike the distributions of the standard library.
 /// Without Eigen, for tests of code that has none.

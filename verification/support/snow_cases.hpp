@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Small random states of snow in which every stage has work to do, and every plausible
 /// mistake shows: two materials, particles of different masses, known and unknown volumes,

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Small files of known content in Firn's formats: for tests, and for trying the page."""
 
 from .cases import synthetic_cases

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A measured case and its quantities, as plain values."""
 
 

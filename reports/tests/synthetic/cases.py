@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A few cases of every suite, with medians that are known."""
 
 from itertools import product

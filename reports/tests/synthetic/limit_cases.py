@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Cases of the suites `implicit` and `stability`."""
 
 from .case import case, computed, solver, timing

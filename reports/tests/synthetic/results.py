@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A results file of synthetic cases."""
 
 import h5py

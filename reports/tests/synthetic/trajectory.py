@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """A trajectory of a ball that falls and is flattened."""
 
 import h5py

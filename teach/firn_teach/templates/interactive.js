@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Drives web/exports.cpp: one session of the reference solver, stage by stage.
 'use strict';
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// One random scene, one solver: does it agree, and if not, how small can the scene be?
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/fuzz/random/random_scene.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// random_scenes: draws scenes, compares a solver with the reference on each, shrinks
 /// those that fail to small scene files. Same seeds, same scenes, on every machine.
 

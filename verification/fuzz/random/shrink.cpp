@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// From a scene that fails to a smaller one that still does. Greedy: of the list of ways
 /// to make a scene simpler, the first that keeps the failure is taken, again and again.
 

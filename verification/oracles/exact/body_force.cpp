@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Body forces of the exact problems, by way of the grid.
 
 #include <array>

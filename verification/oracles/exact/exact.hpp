@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Motions of an elastic body that are known in closed form, as scenes with a
 /// resolution. The uniaxial response of the fixed corotated energy is exactly

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The generalized vortex: large shears, known in closed form.
 
 #include <cmath>

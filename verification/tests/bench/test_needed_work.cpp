@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The plain count is what a loop written as in a textbook computes, counted while it does.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// A run measures what is missing, keeps what is done, and says what is wrong.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The efficiency of threads is what it is of solvers whose efficiency is known: they sleep.
 
 #include <atomic>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The blocks that are timed do what their names say.
 
 #include <Eigen/LU>

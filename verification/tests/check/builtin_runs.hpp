@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Every registered solver in every precision against the reference, in lockstep, on
 /// every built-in scene that it supports.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/tests/check/mistakes.hpp"
 
 #include <Eigen/LU>

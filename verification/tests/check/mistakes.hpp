@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Planted mistakes, each in one stage, with what the checker has to say about it.
 

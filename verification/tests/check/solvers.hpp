@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Solvers that the tests of the checker need: the reference, by its name, and
 /// subjects which are the reference with one mistake in one stage.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The error bounds themselves: never exceeded by a perturbation of the size that they
 /// assume, and not so wide that nothing could fail.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// In the middle of what a scene is about, when snow yields and touches things. Long:
 /// the reference has to get there first.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// A subject that is right must pass: the reference itself, in ten stops and in one,
 /// and the reference with every number rounded to float where it claims float.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// One mistake in one stage each: the check must be INVALID and name the stage.
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Verbs, exit statuses and messages of the program.
 
 #include <algorithm>

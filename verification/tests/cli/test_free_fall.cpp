@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// snowball_drop before it touches anything: the centre of mass obeys
 /// X0 + nΔt V0 + gΔt² n(n+1)/2 whatever happens inside the ball, because step 4
 /// adds gΔt to every node, the transfers conserve momentum, and step 10 moves

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """Finds links and paths in the documentation that lead nowhere.
 
 Checked in every *.md file of the project:

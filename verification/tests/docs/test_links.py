@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """The link check must be able to fail: every kind of link is broken once in a tree of its own."""
 
 import subprocess

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Moving colliders: the velocity they report is that of the material point
 // which passes by, and they carry their distances with them.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Blue noise: nothing closer than the radius, hardly any room left, and the
 // density that the samplers count on.
 

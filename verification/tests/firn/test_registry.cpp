@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Solvers by name and by family.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Rotations against the C library's long double sine and cosine, and the matrix
 // against Eigen's.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Distances on a grid: the interpolant against fields that it represents
 // exactly, its continuation beyond the box, and its bounds.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Bodies filled with particles: counts and order by pencil, the same bits from
 // every compiler, masses, volumes, velocities, periodic axes.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Shapes: distances against pencil-sized cases and against the nearest of many
 // points spread over the surface; normals against finite differences.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The lists of fields, and what is made of them.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The generator covers what it claims, shrinking ends with something small that still
 /// fails, and what was found once stays mended.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// broken_command FAULT IN OUT STEPS: a guest command that breaks as it is told.
 
 #include <csignal>

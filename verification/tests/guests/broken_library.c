@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* A guest library that breaks as FIRN_BROKEN says, "PLACE FAULT": where in its life,
  * and how. Without it, it is a sound solver for particles that meet nothing. */
 #include <signal.h>

@@ -1,4 +1,5 @@
 #!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
 # run_guide.sh ROOT BUILD PYTHON: runs the commands of docs/guests.md as they stand, in a
 # folder that looks like the repository after ./run build. The part about C++ is left to
 # the test of the installed package, which does the same.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Guests that break, each in its own way: the report names the guest and what it did
 /// in one line, in time, and Firn goes on to say INVALID or to save the last good state.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Guests, mutants and exercises come through one door: every verb that takes a solver takes them.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The example guests are VALID: in C stage by stage, in Python step by step.
 
 #include <fstream>

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs to a temporary prefix, then builds and runs an outside project against it.
 
 file(REMOVE_RECURSE ${WORK})

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Builds a second tree with every option off, as far as `./run demo` does, runs it and installs it.
 
 file(REMOVE_RECURSE ${WORK})

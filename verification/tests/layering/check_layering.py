@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Rejects an #include or a Python import that crosses the layout's arrows (docs/architecture.md).
 
     firn <- reference        firn <- optimized        these two never see each other

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The layering check must be able to fail: every rule is broken once in a tree of its own."""
 
 import re

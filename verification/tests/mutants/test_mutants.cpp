@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Lockstep names the stage of every mutant that lives in one.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Its own file: where the compiler sees a `delete` from here beside a library's `new`, it warns.
 
 #include "verification/tests/optimized/allocations.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Small scenes that use every feature, for the suites of the optimized solver.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The semi-implicit operator works on slabs of a block's cells, in vectors, in batches and
 // in pairs of neighbours: here are the crowds whose ends fall everywhere.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The same input gives the same bits: at any number of threads, by step() as by
 // its stages, and across an interruption.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A step that fails after it has begun to change particles: the solver says that the state
 // is lost, and a run still ends with the last good one in its file, to the last bit.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the solver leaves out changes nothing: each skip switched off gives the same bits.
 
 #include <cstdlib>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Failures, diagnostics, memory and precision of the optimized solver.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every instruction set that the processor has is dispatched, and each passes
 // lockstep against the reference.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The closed forms are solutions, and the reference converges to them.
 
 #include <Eigen/Dense>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Geometry>
 #include <cmath>
 #include <gtest/gtest.h>

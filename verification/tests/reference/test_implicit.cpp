@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Dense>
 #include <Eigen/SVD>
 #include <cmath>

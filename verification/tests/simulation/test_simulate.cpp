@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The run driver: which frames it writes, when it ends, that a resumed run is
 /// the uninterrupted one, and what is left after every kind of failure.
 

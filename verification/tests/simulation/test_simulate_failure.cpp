@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What a run leaves behind when a step fails, when the user interrupts it and
 /// when the disk is full: the last good state, bit for bit the uninterrupted
 /// run's state at that step, and a file that can be continued.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Resuming with the solvers that Firn brings, from every frame of a run in
 /// which snow meets a collider: the file of the uninterrupted run, byte for byte.
 

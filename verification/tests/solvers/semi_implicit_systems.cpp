@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/tests/solvers/semi_implicit_systems.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Small semi-implicit systems, the solvers that are to solve them, and the matrix.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The order in Δt of the semi-implicit update. Closed forms, energy and plane waves are asked of
 // every solver by verification/suite.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Stage 6 as a linear system: against an assembled matrix, and what every solve promises.
 
 #include <Eigen/Eigenvalues>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The bisection of the stability study finds the limits that the theory predicts.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The smallest solver there is: particles that fall and nothing else. It is right for
 /// a lone particle and wrong as soon as two meet, and `check` must say so.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Level-set files as shapes.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The mesh readers: what they take, and one line for everything that they refuse.
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Meshes and level sets as shapes, against the analytic shapes that they stand for.
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Exact distances to triangles, against closed forms and brute force.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "verification/tests/io/mesh/vdb_files.hpp"
 
 #include <openvdb/io/File.h>

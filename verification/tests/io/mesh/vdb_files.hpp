@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Level-set files for the tests, written by OpenVDB itself.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// What was appended is in the file, whatever else happens.
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // docs/error_messages.md lists the cases. Each must end in an InputError with exactly the message
 // listed there; the program, given the same input, must print that one line, end with status 2
 // and write nothing. FIRN_UPDATE_DOCS=1 writes the current messages into the list: read the diff.

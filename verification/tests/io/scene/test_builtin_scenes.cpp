@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every built-in scene starts well on the reference, and the free fall that
 // snowball_drop promises is exact.
 

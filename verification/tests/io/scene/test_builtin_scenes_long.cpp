@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Every built-in scene does what its name says, from beginning to end.
 
 #include <Eigen/LU>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Scenes from TOML: every key arrives where it belongs, defaults are neutral,
 // and the resolved text gives the same scene again.
 

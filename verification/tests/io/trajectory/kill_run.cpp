@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// The program that the kill test kills: runs a scene of the tests and says on
 /// stdout, one write per frame, which frames are in the file.
 ///   kill_run fixed|adaptive OUTPUT [steps N] [resume FILE] [precision float]

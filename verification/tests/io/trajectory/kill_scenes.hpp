@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The scenes of the kill test, the same for the program that is killed and for
 /// the one that judges.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /* Preloaded into a program: counts every call that changes a file, and kills the
  * process before the one of number FIRN_KILL_AT (1, 2, …). With FIRN_KILL_TORN
  * set, half of that write's bytes reach the file first. FIRN_KILL_LOG names a

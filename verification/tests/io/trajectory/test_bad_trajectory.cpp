@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Files that are no trajectories, or bad ones: each gets the message that
 /// docs/files.md lists. FIRN_UPDATE_DOCS=1 writes the list anew.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// `firn compare`: differences that were put there are found where they are.
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// A run is killed before every single call that changes a file, one run per
 /// call. Whatever is left must open plainly and hold every frame that was
 /// reported, and continuing must lead to the file of the run that nobody killed.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 /// Writer and reader: what goes in comes out, to the last bit; what is complete
 /// is counted; what stood at the output's place stays until then.
 

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """VTK's own reader opens what Firn writes: finished, in float, and cut off at any write.
 
     vtk_reads_it.py KILL_RUN KILL_SHIM

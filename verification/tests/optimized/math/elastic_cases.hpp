@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// What the tests of the elastic kernels share: units of roundoff, samples near the elastic
 /// box, and the line that FIRN_PRINT_ERRORS asks for.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// Runs a test on every instruction set of this processor, and proves that it did.
 

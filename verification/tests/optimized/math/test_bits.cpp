@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The same bits from every kernel, on every instruction set with a fused multiply-add, from g++ and
 // from clang: fingerprints of the results of a sample that needs no mathematical library.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Elastic box, polar rotation and exponential of optimized/math/, on every instruction set, in
 // float and double.
 

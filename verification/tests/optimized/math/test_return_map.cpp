@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Step 7 of optimized/math/return_map-inl.h: the fast way and the way by full decompositions, on
 // every instruction set, in float and double, against the definition in long double.
 

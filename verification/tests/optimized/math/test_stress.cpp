@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Kirchhoff stress and its derivative, the Hessian action, of optimized/math/, on every
 // instruction set, in float and double.
 

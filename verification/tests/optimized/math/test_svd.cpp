@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The decomposition of optimized/math/svd-inl.h: every family, every instruction set, float and
 // double, against a one-sided Jacobi method in long double.
 
