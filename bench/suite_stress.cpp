@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// What each solver does where it hurts: a few particles each, twenty steps. The only
+/// Hard cases: a few particles each, twenty steps. The only
 /// thing that is never right is a number that is not finite and nobody told.
 
 #include "bench/study.hpp"

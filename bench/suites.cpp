@@ -22,7 +22,7 @@ const std::vector<SuiteEntry>& suites() {
       {"snowball", "bands of a plastic impact over seeds", plan_snowball_suite, 0.7, 9},
       {"stability", "largest stable time step by bisection, against prediction",
        plan_stability_suite, 0.6, 4.3},
-      {"stress", "what each solver does where it hurts: degenerate input, overflow, NaN",
+      {"stress", "hard cases: degenerate input, overflow, NaN",
        plan_stress_suite, 0.02, 0.02},
       {"targets", "the optimized solver on every instruction set of this processor",
        plan_targets_suite, 2.6, 2.6},

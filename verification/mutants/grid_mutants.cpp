@@ -149,7 +149,7 @@ void add_volumes(std::vector<Mutant>& list) {
   Adder add(list, Stage::volumes);
   add("known_volumes_recomputed",
       "step 2 estimates V_p0 anew in every step, also where it is known",
-      "\"first step only\" was read over",
+      "\"first step only\" was overlooked",
       around(Stage::volumes, [](const StageFunction& right, const Step& s) {
         for (double& V : s.particles.V_0) V = 0;
         right(s);

@@ -129,7 +129,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--precision", arguments.precisions, "double, float, or both")
       ->capture_default_str();
-  app.add_option("--threads", arguments.threads, "")->capture_default_str();
+  app.add_option("--threads", arguments.threads, "threads of both solvers")->capture_default_str();
   app.add_option("--max-particles", arguments.random.max_particles, "of a scene")
       ->capture_default_str();
   app.add_flag("!--explicit-only", arguments.random.semi_implicit, "no semi-implicit scenes");
