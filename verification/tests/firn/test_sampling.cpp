@@ -2,6 +2,7 @@
 // Bodies filled with particles: counts and order by pencil, the same bits from
 // every compiler, masses, volumes, velocities, periodic axes.
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 #include <gtest/gtest.h>
@@ -9,7 +10,6 @@
 
 #include "firn/error.hpp"
 #include "firn/scene.hpp"
-#include "verification/support/points.hpp"
 
 namespace firn {
 namespace {
