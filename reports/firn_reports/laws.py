@@ -39,4 +39,6 @@ class Laws:
         # A rigid estimate: the farthest particle moves as the centre of mass plus its own speed.
         spread = np.linalg.norm(first.v - p0 / mass, axis=1).max() * elapsed
         travelled = np.linalg.norm(self.center - X0, axis=1) + spread
-        self.free = travelled < reach if self.known else np.zeros(len(elapsed), bool)
+        self.free = np.zeros(len(elapsed), bool)
+        if reach is not None and not periodic:
+            self.free = travelled < reach

@@ -12,12 +12,12 @@ from .lesson import Lesson
 
 def components(value: ArrayLike) -> list[tuple[str, float]]:
     """Return a scalar, vector or matrix as (name, number): "", "x", or row and column."""
-    value = np.atleast_1d(value)
-    if value.shape == (3,):
-        return list(zip("xyz", value, strict=True))
-    if value.shape == (3, 3):
-        return [(f"{r + 1}{c + 1}", value[r, c]) for r in range(3) for c in range(3)]
-    return [("", value[0])]
+    numbers = np.asarray(value)
+    if numbers.ndim == 1:
+        return list(zip("xyz", numbers, strict=True))
+    if numbers.ndim == 2:
+        return [(f"{r + 1}{c + 1}", numbers[r, c]) for r in range(3) for c in range(3)]
+    return [("", float(numbers))]
 
 
 def number_rows(lesson: Lesson, stage: int, of_node: bool) -> list[Json]:
