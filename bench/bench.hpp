@@ -19,6 +19,7 @@ struct Options {
   bool again = false;                ///< measure what the output has, too, in its place
   bool list = false;                 ///< name the cases and measure nothing
   std::vector<std::string> solvers;  ///< empty: all in the registry
+  double time_limit = 60;            ///< for each answer of a guest [s]
   int max_threads = 0;               ///< 0: as many as the machine has
   std::uint64_t seed = 1;            ///< of everything that is drawn at random
 };

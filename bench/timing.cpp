@@ -30,7 +30,7 @@ std::string Subject::text() const {
 }
 
 std::unique_ptr<Solver> Subject::create(const Registry& registry) const {
-  return registry.create(solver, SolverOptions{precision, threads});
+  return registry.create(solver, SolverOptions{precision, threads, time_limit});
 }
 
 void Subject::describe(results::Case& result) const {
@@ -72,7 +72,7 @@ std::vector<Subject> subjects(const Registry& registry, const Options& options,
       if (const auto traits = traits_of(registry, solver, precision))
         for (int threads = 1; threads <= most; threads *= 2) {
           if (threads > 1 && (!all_thread_counts || traits->pace != Pace::fast)) break;
-          result.push_back({solver, precision, threads, *traits});
+          result.push_back({solver, precision, threads, *traits, options.time_limit});
         }
   return result;
 }

@@ -17,6 +17,7 @@ struct Subject {
   Precision precision = Precision::float64;
   int threads = 1;
   SolverTraits traits = {};  ///< of that solver
+  double time_limit = 60;    ///< for each of its answers, if it runs in another process [s]
 
   bool slow() const { return traits.pace != Pace::fast; }
   std::string label() const;  ///< the solver's name as part of a case's name

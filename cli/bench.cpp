@@ -28,6 +28,9 @@ void add_bench(CLI::App& app, Context& context) {
                  "always is measured");
   verb->add_flag("--list", options->list, "list the cases without measuring them");
   verb->add_option("--solver", options->solvers, "only these solvers (default: all)");
+  verb->add_option("--time-limit", options->time_limit,
+                   "seconds that a library or command may take for one answer")
+      ->capture_default_str();
   verb->add_option("--threads", options->max_threads,
                    "use at most this many threads (default: all processors)")
       ->check(CLI::PositiveNumber);

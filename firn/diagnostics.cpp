@@ -11,6 +11,7 @@ namespace firn {
 
 namespace {
 
+/// Independent of the solvers on purpose: an oracle for theirs.
 /// Ψ(F_E, F_P) = μ‖F_E − R_E‖² + ½λ(J_E − 1)² [J/m³]. The sign of det F_E goes to
 /// the smallest singular value, so that R_E is a rotation.
 double energy_density(const Material& material, const Mat3& F_E, const Mat3& F_P) {

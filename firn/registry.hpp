@@ -51,7 +51,7 @@ class Registry {
   const std::vector<SolverEntry>& entries() const { return entries_; }
   const std::vector<SolverFamily>& families() const { return families_; }
 
-  /// Null if no registered solver has that name, whatever families there are.
+  /// Null if no single solver has that name; families are not searched.
   const SolverEntry* find(std::string_view name) const;
 
   /// By name or by family. Throws InputError for an unknown name or a precision that the

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "firn/diagnostics.hpp"
@@ -36,7 +35,7 @@ enum class Pace {
   process  ///< every step starts a program
 };
 
-/// What a solver is and can do. Whoever asks for more gets an InputError.
+/// What a solver is and can do. load() throws InputError for anything beyond it.
 struct SolverTraits {
   std::string name;  ///< as the registry knows it
   Precision precision = Precision::float64;

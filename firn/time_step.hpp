@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-/// The scene's rule for Δt. Every solver finds its own two speeds; the rule is this one.
+/// The scene's rule for Δt. A solver finds its largest particle speed and sound speed;
+/// this function turns them into Δt.
 
 #include <string_view>
 

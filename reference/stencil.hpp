@@ -17,7 +17,7 @@ namespace firn::reference {
 /// from the grid's origin along each axis. False for NaN.
 bool inside_domain(const GridSettings& grid, const Vec3& x);
 
-/// The nodes around every particle: 4×4×4 with cubic splines.
+/// The nodes around every particle: width³ of them, with the width of kernel.hpp.
 class Stencils {
  public:
   /// Finds the nodes within reach of the particles, sorted by (i,j,k), and the

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-/// Bitwise equality of states, as a test's message tells it.
+/// Bitwise equality of states, for EXPECT_TRUE: the message names the array that differs.
 
 #include <cstring>
 #include <gtest/gtest.h>

@@ -5,7 +5,7 @@
     io reads and writes files and knows no solver
     verification and bench reach solvers through the composition root only, except the
     unit suites of a solver's own parts
-    solvers/builtin_solvers.cpp is the one place that names concrete solvers
+    solvers/solvers.cpp is the one place that names concrete solvers
     reports is Python and reads HDF5 and nothing else
     teach sees the modules of reports that firn_reports names in __all__; reports never sees teach
 

@@ -135,7 +135,7 @@ TEST(Implicit, HessianIsSymmetric) {
 }
 
 // What a whole solve has to keep is asked of every solver, this one too, in
-// verification/semi_implicit and verification/suite.
+// verification/tests/solvers and verification/suite.
 
 TEST(Implicit, ReportsTheTrueResidual) {
   Scene scene = implicit_scene();
