@@ -123,6 +123,16 @@ double fma_peak_double(int threads) {
   return rate(threads, [](int) { return HWY_DYNAMIC_DISPATCH(fma_double)(rounds); });
 }
 
+double calibration_loop() {
+  const auto start = std::chrono::steady_clock::now();
+  // 2^20 dependent steps of 4–8 cycles; the volatile seed keeps the compiler from knowing the end.
+  volatile double seed = 1.0;
+  double x = seed;
+  for (int i = 0; i < (1 << 20); ++i) x = x * 0.999999 + 1e-6;
+  seed = x;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 double triad_bandwidth(int threads) {
   Arrays& x = arrays();
   const std::size_t share = elements / static_cast<std::size_t>(threads) / 64 * 64;

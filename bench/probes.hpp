@@ -13,6 +13,10 @@ std::string instruction_set();
 double fma_peak_float(int threads);
 double fma_peak_double(int threads);
 
+/// Seconds that a fixed chain of dependent multiply-adds takes (about 2 ms): the
+/// same work every time, so that its spread is the machine's noise.
+double calibration_loop();
+
 /// a_i = b_i + s c_i over arrays far larger than the caches, 24 bytes of traffic
 /// that the program asks for per element [byte/s].
 double triad_bandwidth(int threads);

@@ -8,10 +8,11 @@
 #include <string_view>
 
 #include "bench/bench.hpp"
-#include "bench/machine_facts.hpp"
+#include "bench/probes.hpp"
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "firn/error.hpp"
+#include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
 
 namespace firn::bench {
@@ -223,9 +224,9 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
           << plan.description.title << (plan.quick ? "  [quick]" : "") << "\n";
     return 0;
   }
-  results::Facts facts = machine_facts(options.seed);
+  results::Facts facts = results::machine_facts(options.seed, instruction_set());
   facts.emplace_back("cases_asked_for", static_cast<double>(chosen.size()));
-  results::ResultsFile file(options.output, facts, comparable_facts());
+  results::ResultsFile file(options.output, facts, results::comparable_facts());
   const StopOnSignal stop;
   std::size_t number = 0, wrong = 0, measured = 0;
   double seconds = 0;

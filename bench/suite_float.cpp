@@ -62,7 +62,7 @@ std::vector<std::pair<int, double>> drift(const Registry& registry, const Subjec
   Particles& p = work.state.particles;
   for (std::size_t at = 0; at < p.size(); ++at)
     p.v[at] = Vec3(0.05 * std::sin(8 * p.x[at].x()), 0, 0);
-  const auto reference = registry.create("reference", {});
+  const auto reference = registry.create(reference_name, {});
   return studies::drift(study_subject(registry, subject), *reference, work.scene, work.state);
 }
 
@@ -124,7 +124,7 @@ void plan_float_suite(const Registry& registry, const Options& options,
       plans.push_back(std::move(plan));
     }
   for (const Subject& subject : subjects(registry, options, false))
-    if (subject.solver != "reference" && registry.find("reference") != nullptr)
+    if (subject.solver != reference_name && registry.find(reference_name) != nullptr)
       plan_drift(registry, options, subject, plans);
 }
 

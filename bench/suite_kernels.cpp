@@ -46,7 +46,7 @@ Workload small_block(std::uint64_t seed) {
 /// False, and the case invalid, unless every stage of two steps agrees with the reference.
 bool agrees(const Registry& registry, const Subject& subject, const Workload& work,
             results::Case& result) {
-  const auto reference = registry.create("reference", {}), solver = subject.create(registry);
+  const auto reference = registry.create(reference_name, {}), solver = subject.create(registry);
   CheckOptions options;
   options.steps = 2;
   const CheckReport report = run_check(work.scene, work.state, *reference, *solver, options);

@@ -52,7 +52,7 @@ void plan_speedup(const Registry& registry, const Options& options, const Subjec
     const Workload work = block(particles, deformation, options.seed);
     const auto n = static_cast<double>(work.state.particles.size());
     Timed timed(registry, subject, work);
-    Timed reference(registry, {"reference"}, work);
+    Timed reference(registry, {reference_name}, work);
     Quantity ratio{"speedup",
                    "1",
                    "time of the reference (double, one thread) over time of this solver",
@@ -88,7 +88,7 @@ void plan_steps_suite(const Registry& registry, const Options& options,
 void plan_speedup_suite(const Registry& registry, const Options& options,
                         std::vector<CasePlan>& plans) {
   for (const Subject& subject : subjects(registry, options, true))
-    if (subject.solver != "reference" && registry.find("reference"))
+    if (subject.solver != reference_name && registry.find(reference_name))
       for (const Deformation deformation : {Deformation::elastic, Deformation::plastic})
         plan_speedup(registry, options, subject, deformation, 100'000, plans);
 }

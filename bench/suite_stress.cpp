@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/// Hard cases: a few particles each, twenty steps. The only
-/// thing that is never right is a number that is not finite and nobody told.
+/// Hard cases: a few particles each, twenty steps. A solver must never return a NaN or an
+/// infinity without an error.
 
 #include "bench/study.hpp"
 #include "bench/suites.hpp"

@@ -143,7 +143,7 @@ struct Largest {
 void validate(const Registry& registry, const Subject& subject, Deformation deformation,
               std::uint64_t seed, results::Case& result) {
   const Workload work = block(8000, deformation, seed);
-  const Subject plain{"reference"};
+  const Subject plain{reference_name};
   State mine, theirs;
   for (auto [who, state] : {std::pair{&subject, &mine}, std::pair{&plain, &theirs}}) {
     const auto solver = who->create(registry);

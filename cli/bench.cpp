@@ -24,8 +24,8 @@ void add_bench(CLI::App& app, Context& context) {
       ->capture_default_str();
   verb->add_flag("--quick", options->quick, "only the quick cases: less than three minutes in all");
   verb->add_flag("--again", options->again,
-                 "also measure cases that the file has already; a case named as SUITE/CASE "
-                 "always is measured");
+                 "measure again what the file already has; a case named as SUITE/CASE is always "
+                 "measured");
   verb->add_flag("--list", options->list, "list the cases without measuring them");
   verb->add_option("--solver", options->solvers, "only these solvers (default: all)");
   verb->add_option("--time-limit", options->time_limit,

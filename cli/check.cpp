@@ -17,7 +17,7 @@ namespace {
 struct CheckArguments {
   std::shared_ptr<SceneOption> scene;
   std::shared_ptr<SolverOption> solver;
-  std::string against = "reference";
+  std::string against = reference_name;
   std::int64_t steps = 10;
   std::int64_t start_step = 0;
   std::string mode = "lockstep";
@@ -69,14 +69,15 @@ void add_check(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<CheckArguments>();
   arguments->scene = add_scene_option(*verb);
   arguments->solver = add_solver_option(*verb, context.registry, "optimized");
-  verb->add_option("--against", arguments->against, "the solver to compare with")
+  verb->add_option("--against", arguments->against, "the solver that is taken as right")
       ->capture_default_str();
   verb->add_option("--steps", arguments->steps, "steps to compare")->capture_default_str();
   verb->add_option("--start-step", arguments->start_step,
                    "steps that the reference takes alone before the comparison")
       ->capture_default_str();
   verb->add_option("--mode", arguments->mode,
-                   "lockstep: every stage from the reference's input; free: both run on their own")
+                   "lockstep: each stage starts from the reference's input; free: each solver runs "
+                   "on from its own results")
       ->capture_default_str();
   verb->add_flag("--json", arguments->json, "print JSON");
   verb->callback([arguments, &context] { context.exit = run_check_verb(*arguments, context); });

@@ -12,11 +12,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "bench/machine_facts.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
+#include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
+#include "solvers/solvers.hpp"
 #include "verification/check/check.hpp"
 #include "verification/mutants/mutants.hpp"
 #include "verification/suite/run.hpp"
@@ -36,7 +37,7 @@ suite::Subject subject_of(const std::string& solver, const Registry& registry) {
     options.threads = threads;
     return registry.create(solver, options);
   };
-  subject.create_reference = [&registry] { return registry.create("reference", {}); };
+  subject.create_reference = [&registry] { return registry.create(reference_name, {}); };
   return subject;
 }
 
@@ -100,7 +101,7 @@ std::string first_failure(const std::string& solver, const std::string& filter,
 /// What lockstep says first, over all cases.
 std::optional<Divergence> named_by_check(const std::string& solver, const Registry& registry) {
   for (const fixtures::Case& c : fixtures::snow_cases()) {
-    const auto reference = registry.create("reference", {});
+    const auto reference = registry.create(reference_name, {});
     const auto subject = subject_of(solver, registry).create(1);
     const CheckReport report =
         run_check(c.scene, c.state, *reference, *subject, {.steps = c.steps});
@@ -180,7 +181,8 @@ std::vector<Score> all_scores(const Registry& registry) {
 }
 
 void write(const std::string& path, const std::vector<Score>& scores) {
-  results::ResultsFile file(path, bench::machine_facts(0), bench::comparable_facts());
+  results::ResultsFile file(path, results::machine_facts(0, instruction_set()),
+                            results::comparable_facts());
   std::vector<results::Mutant> rows;
   for (const Score& s : scores)
     rows.push_back({s.mutant->name, s.mutant->mistake, stage_of(*s.mutant), s.named, s.caught_by,
@@ -191,7 +193,7 @@ void write(const std::string& path, const std::vector<Score>& scores) {
 }  // namespace
 
 int run_mutation_score(const Registry& registry, const std::string& results, bool json) {
-  const std::string unmutated = first_failure("reference", "", registry);
+  const std::string unmutated = first_failure(reference_name, "", registry);
   const std::vector<Score> scores = all_scores(registry);
   if (!results.empty()) write(results, scores);
   const auto count = [&](auto holds) { return std::count_if(scores.begin(), scores.end(), holds); };

@@ -20,7 +20,7 @@ std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb) {
   verb.add_option("SCENE", option->name, "a scene file, or a name that `firn scenes` prints")
       ->required();
   verb.add_option("--scale", option->scale,
-                  "refinement S: spacing h/S, time step Δt/S, so S³ times the particles")
+                  "refine by S: spacing h/S, time step Δt/S, S³ times as many particles")
       ->capture_default_str();
   return option;
 }

@@ -40,9 +40,9 @@ void add_report(CLI::App& app, Context& context) {
   arguments->out = "report";
   verb->add_option("RESULTS", arguments->file, "results (.h5) or trajectory (.vtkhdf)")->required();
   verb->add_option("--baseline", arguments->baseline,
-                   "older results; exit 1 if something became slower");
+                   "results of an earlier run; exit 1 if a case became slower");
   verb->add_option("--threshold", arguments->threshold,
-                   "with --baseline: changes up to this share pass (default: 0.1)")
+                   "with --baseline: a case may be slower by up to this fraction (default: 0.1)")
       ->check(CLI::PositiveNumber);
   verb->add_flag("--readme-table", arguments->readme_table,
                  "print a summary of the results as Markdown instead of making a page");

@@ -54,7 +54,7 @@ nlohmann::ordered_json checks(const teach::Lesson& lesson, const Registry& regis
     SolverOptions options;
     options.precision = precision;
     const auto subject = entry->create(options);
-    const auto reference = registry.create("reference", {});
+    const auto reference = registry.create(reference_name, {});
     const CheckReport report = run_check(scene, start, *reference, *subject, one_step);
     list.push_back(nlohmann::ordered_json::parse(to_json(report)));
     list.back()["semi_implicit"] = scene.semi_implicit();

@@ -10,11 +10,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "bench/machine_facts.hpp"
 #include "cli/mutation_score.hpp"
 #include "cli/options.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
 #include "solvers/solvers.hpp"
 #include "verification/suite/run.hpp"
@@ -51,7 +51,7 @@ suite::Subject subject_of(const SolverOption& option, const Registry& registry) 
     with_threads.threads = threads;
     return with_threads.create(registry, 1);
   };
-  subject.create_reference = [&registry] { return registry.create("reference", {}); };
+  subject.create_reference = [&registry] { return registry.create(reference_name, {}); };
   // A name that is none ends here.
   subject.slow = subject.create(subject.threads)->traits().pace == Pace::process;
   return subject;
@@ -62,7 +62,8 @@ results::Quantity to_quantity(const suite::Observation::Quantity& q) {
 }
 
 void write_results(const std::string& path, const suite::Verdict& verdict) {
-  results::ResultsFile file(path, bench::machine_facts(0), bench::comparable_facts());
+  results::ResultsFile file(path, results::machine_facts(0, instruction_set()),
+                            results::comparable_facts());
   std::vector<results::Check> checks;
   for (const suite::Row& row : suite::rows())
     checks.push_back({row.topic, row.test + ": " + row.what, row.largest,

@@ -28,6 +28,9 @@ struct SolverEntry {
   std::function<std::unique_ptr<Solver>(const SolverOptions&)> create;
 };
 
+/// The name of the solver that others are judged against.
+inline constexpr const char* reference_name = "reference";
+
 /// Solvers that are made from what their name says: "mutant:NAME", "./LIBRARY.so".
 struct SolverFamily {
   std::string form;         ///< as messages and help print it: "mutant:NAME"

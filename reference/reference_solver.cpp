@@ -14,7 +14,7 @@ namespace firn::reference {
 const SolverTraits& ReferenceSolver::traits() const {
   static const SolverTraits traits = [] {
     SolverTraits t;
-    t.name = "reference";
+    t.name = reference_name;
     t.precision = Precision::float64;
     t.stops.assign(all_stages.begin(), all_stages.end());
     t.semi_implicit = true;
@@ -120,7 +120,7 @@ std::unique_ptr<Solver> make_reference_solver(const SolverOptions& options) {
 }
 
 SolverEntry reference_entry() {
-  return {"reference",
+  return {reference_name,
           "the paper's steps one by one: plain, sequential, double precision",
           {Precision::float64},
           make_reference_solver};

@@ -55,14 +55,14 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     parser.add_argument(
         "--baseline",
         metavar="OLD",
-        help="older results; exit 1 if something became worse than --threshold allows",
+        help="results of an earlier run; exit 1 if a case became worse by more than --threshold",
     )
     parser.add_argument(
         "--threshold",
         type=float,
         default=baseline.THRESHOLD,
         metavar="SHARE",
-        help="of --baseline: changes up to this share pass (default: %(default)s)",
+        help="with --baseline: a case may be worse by up to this fraction (default: %(default)s)",
     )
     parser.add_argument(
         "--readme-table",

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-/// What breaks other codes: a few particles each, a few steps. A solver may go on or stop with an
-/// error that says where; what is never right is a number that is not finite without an error.
+/// Hard cases of a few particles and a few steps that are known to break codes. A solver may go on
+/// or stop with an error that says where. It must never return a NaN or an infinity without an
+/// error.
 
 #include <string>
 #include <vector>

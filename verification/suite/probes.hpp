@@ -16,6 +16,10 @@
 
 namespace firn::suite {
 
+/// For tests of many steps: a guest that is a program per step would take hours.
+#define FIRN_NEEDS_SPEED() \
+  if (subject().slow) GTEST_SKIP() << "every step starts a program: too long"
+
 using verification::Matrix;
 using verification::Real;
 

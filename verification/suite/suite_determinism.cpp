@@ -31,10 +31,14 @@ std::int64_t different(const std::vector<T>& a, const std::vector<T>& b) {
 }
 
 void same_bits(const std::string& what, const State& a, const State& b) {
-  const Particles &p = a.particles, &q = b.particles;
-  const std::int64_t count = different(p.x, q.x) + different(p.v, q.v) + different(p.F_E, q.F_E) +
-                             different(p.F_P, q.F_P) + different(p.V_0, q.V_0);
-  expect(what, count == 0, fmt::format("{} of {} particle quantities differ", count, 5 * p.size()));
+  std::int64_t count = 0, compared = 0;
+  for_each_field(
+      [&](const char*, const auto& p, const auto& q) {
+        count += different(p, q);
+        compared += static_cast<std::int64_t>(p.size());
+      },
+      a.particles, b.particles);
+  expect(what, count == 0, fmt::format("{} of {} particle quantities differ", count, compared));
 }
 
 std::vector<fixtures::Case> some_cases() {

@@ -129,10 +129,6 @@ void between(const std::string& what, double order, double low, double high) {
          0.5 * (high - low), fmt::format("order {:.3f}", order));
 }
 
-/// A guest that is a program per step would take hours.
-#define FIRN_NEEDS_SPEED() \
-  if (subject().slow) GTEST_SKIP() << "every step starts a program: too long"
-
 TEST(Dynamics, standing_wave) {
   FIRN_NEEDS_SPEED();
   const double e16 = error_of(exact::standing_wave, 16, 0.4, undamped),

@@ -31,9 +31,6 @@ StabilityPoint lone_point() {
   return point;
 }
 
-#define FIRN_NEEDS_SPEED() \
-  if (subject().slow) GTEST_SKIP() << "every step starts a program: too long"
-
 /// Stable 3 % below the prediction, unstable 3 % above.
 void within_three_percent(const std::string& what, const StabilityPoint& point) {
   const double limit = studies::predicted_cfl(point);

@@ -19,7 +19,7 @@ inline const Registry& builtin_registry() {
 }
 
 inline std::unique_ptr<Solver> make_reference() {
-  return builtin_registry().create("reference", {});
+  return builtin_registry().create(reference_name, {});
 }
 
 }  // namespace firn::fixtures

@@ -16,7 +16,6 @@
 #include "io/scene/scene_file.hpp"
 #include "solvers/solvers.hpp"
 #include "verification/fuzz/random/compare.hpp"
-#include "verification/mutants/mutants.hpp"
 
 namespace {
 
@@ -73,7 +72,7 @@ class Comparisons {
 
   Comparison compared(const RandomCase& c, const std::string& precision) const {
     return compare(
-        c, [&] { return registry_.create("reference", {}); }, [&] { return make(precision); });
+        c, [&] { return registry_.create(reference_name, {}); }, [&] { return make(precision); });
   }
 
   void one(const RandomCase& c, std::uint64_t seed, const std::string& precision) {

@@ -97,7 +97,7 @@ TEST(RandomScenes, CoverTheSceneSpace) {
 
 /// A solver with one mistake: the scene that shows it becomes a handful of particles.
 TEST(RandomScenes, FailuresShrink) {
-  const auto subject = [] { return mutant_family().create("mutant:force_sign", {}); };
+  const auto subject = [] { return fixtures::builtin_registry().create("mutant:force_sign", {}); };
   const auto fails = [&](const RandomCase& c) {
     return compare(c, make_reference, subject).agreement == Agreement::invalid;
   };

@@ -63,7 +63,14 @@ ALLOWED = {
     # Wrong solvers are made of the right one's stages.
     "verification/mutants": ["firn", "reference"],
     "verification/support": ["firn", "io", "simulation", SOLVERS],
-    "verification/suite": ["firn", "verification"],
+    # The suite judges any solver by the interface alone: no wrong solvers, no tests.
+    "verification/suite": [
+        "firn",
+        "verification/check",
+        "verification/oracles",
+        "verification/studies",
+        "verification/support",
+    ],
     "verification/fuzz": ["firn", "io", "verification", SOLVERS],
     # Tests see the room that they test, the shared fixtures, and solvers by their names.
     "verification/tests": ["firn", "io", "simulation", "verification", SOLVERS],

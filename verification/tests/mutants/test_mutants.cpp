@@ -13,13 +13,14 @@
 namespace firn {
 namespace {
 
+using fixtures::builtin_registry;
 using fixtures::make_reference;
 
 /// The first case that finds it; an empty report if none does.
 CheckReport first_failure(const std::string& solver) {
   for (const fixtures::Case& c : fixtures::snow_cases()) {
     const auto reference = make_reference();
-    const auto subject = solver.empty() ? make_reference() : mutant_family().create(solver, {});
+    const auto subject = builtin_registry().create(solver.empty() ? reference_name : solver, {});
     CheckReport report = run_check(c.scene, c.state, *reference, *subject, {.steps = c.steps});
     report.scene = c.name;
     if (!report.valid()) return report;
@@ -36,7 +37,7 @@ TEST(Mutants, AreAtLeastSixtyOfDifferentNames) {
   }
   EXPECT_EQ(names.size(), all_mutants().size());
   EXPECT_GE(names.size(), 60u);
-  EXPECT_THROW(mutant_family().create("mutant:no_such_mistake", {}), InputError);
+  EXPECT_THROW(builtin_registry().create("mutant:no_such_mistake", {}), InputError);
 }
 
 TEST(Mutants, UnmutatedItIsValid) {

@@ -44,25 +44,15 @@ State busy_state(const Scene& scene) {
   return state;
 }
 
-void expect_same(const Particles& a, const Particles& b) {
-  EXPECT_EQ(a.x, b.x);
-  EXPECT_EQ(a.v, b.v);
-  EXPECT_EQ(a.m, b.m);
-  EXPECT_EQ(a.V_0, b.V_0);
-  EXPECT_EQ(a.F_E, b.F_E);
-  EXPECT_EQ(a.F_P, b.F_P);
-  EXPECT_EQ(a.id, b.id);
-  EXPECT_EQ(a.material, b.material);
-}
+const auto expect_equal = [](const char* name, const auto& a, const auto& b) {
+  EXPECT_EQ(a, b) << name;
+};
+
+void expect_same(const Particles& a, const Particles& b) { for_each_field(expect_equal, a, b); }
 
 void expect_same(const Grid& a, const Grid& b) {
   EXPECT_EQ(a.node, b.node);
-  EXPECT_EQ(a.m, b.m);
-  EXPECT_EQ(a.v, b.v);
-  EXPECT_EQ(a.f, b.f);
-  EXPECT_EQ(a.v_star, b.v_star);
-  EXPECT_EQ(a.free_directions, b.free_directions);
-  EXPECT_EQ(a.v_new, b.v_new);
+  for_each_field(expect_equal, a, b);
 }
 
 class ReferenceSolver : public testing::TestWithParam<bool> {};

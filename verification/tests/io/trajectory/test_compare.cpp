@@ -67,15 +67,8 @@ TEST_F(Compare, FindsNothingBetweenEqualFiles) {
 TEST_F(Compare, MatchesParticlesByIdWhateverTheirOrder) {
   auto b = three_frames();
   for (State& state : b) {
-    Particles& p = state.particles;
-    std::swap(p.x[0], p.x[3]);
-    std::swap(p.v[0], p.v[3]);
-    std::swap(p.m[0], p.m[3]);
-    std::swap(p.V_0[0], p.V_0[3]);
-    std::swap(p.F_E[0], p.F_E[3]);
-    std::swap(p.F_P[0], p.F_P[3]);
-    std::swap(p.material[0], p.material[3]);
-    std::swap(p.id[0], p.id[3]);
+    for_each_field([](const char*, auto& array) { std::swap(array[0], array[3]); },
+                   state.particles);
   }
   EXPECT_TRUE(compare(three_frames(), b).identical());
 }

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/machine_facts.hpp"
+#include "io/results/machine_facts.hpp"
 
-#include <chrono>
 #include <fstream>
 #include <sstream>
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include "bench/probes.hpp"
 #include "firn/build_info.hpp"
 #include "firn/machine.hpp"
 
-namespace firn::bench {
+namespace firn::results {
 
 namespace {
 
@@ -66,7 +64,7 @@ std::string load_average() {
 
 }  // namespace
 
-results::Facts machine_facts(std::uint64_t seed) {
+Facts machine_facts(std::uint64_t seed, const std::string& instruction_set) {
   utsname system{};
   uname(&system);
   const BuildInfo& build = build_info();
@@ -79,7 +77,7 @@ results::Facts machine_facts(std::uint64_t seed) {
       {"frequency_governor", first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor")},
       {"frequency_now_MHz", line_value("/proc/cpuinfo", "cpu MHz")},
       {"load_average", load_average()},
-      {"instruction_set", instruction_set()},
+      {"instruction_set", instruction_set},
       {"compiler", build.compiler},
       {"flags", build.flags},
       {"build_type", build.build_type},
@@ -96,14 +94,4 @@ const std::vector<std::string>& comparable_facts() {
   return facts;
 }
 
-double calibration_loop() {
-  const auto start = std::chrono::steady_clock::now();
-  // 2^20 dependent steps of 4–8 cycles; the volatile seed keeps the compiler from knowing the end.
-  volatile double seed = 1.0;
-  double x = seed;
-  for (int i = 0; i < (1 << 20); ++i) x = x * 0.999999 + 1e-6;
-  seed = x;
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace firn::bench
+}  // namespace firn::results
