@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/check/bounds.hpp"
 
+#include <algorithm>
+
 namespace firn::check {
 
 BoundModel::BoundModel(const Scene& scene, Precision precision)
@@ -13,8 +15,9 @@ Vec3 position_scale(const Scene& scene, const Vec3& x) {
 }
 
 /// Every number is rounded to the subject's precision on the way in and may be
-/// held in another form there (F − I, Δt v/h), whose conversion back costs one more
-/// rounding: one eps of its size together. Positions have a longer way, to
+/// held in another form there (Δt v/h), whose conversion back costs one more rounding: one
+/// eps of its size together. A solver may keep F as F − I, which is the larger of the two
+/// where F is small: the eps is of either. Positions have a longer way, to
 /// (x − o)/h − block and back: three roundings in each direction and the wrap along a
 /// periodic axis, of which the model's 2 eps hold four at their worst.
 void BoundModel::load(const State& state) {
@@ -30,8 +33,14 @@ void BoundModel::load(const State& state) {
   for (const Vec3& x : p.x)
     bounds_.x.push_back(Roundoff::position * eps * position_scale(scene_, x));
   norms(p.v, bounds_.v, 0);
-  norms(p.F_E, bounds_.F_E, 0);
-  norms(p.F_P, bounds_.F_P, 0);
+  const auto deformations = [&](const std::vector<Mat3>& values, std::vector<double>& out) {
+    out.clear();
+    out.reserve(values.size());
+    for (const Mat3& F : values)
+      out.push_back(eps * std::max(F.norm(), (F - Mat3::Identity()).norm()));
+  };
+  deformations(p.F_E, bounds_.F_E);
+  deformations(p.F_P, bounds_.F_P);
   bounds_.V_0.clear();
   for (const double V : p.V_0) bounds_.V_0.push_back(eps * V);
   bounds_.m_i.clear();

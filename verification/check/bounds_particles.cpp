@@ -9,7 +9,8 @@
 
 namespace firn::check {
 
-/// ∇v_p = Σ v_i (∇w_ip)^T, F̂_E = (I + Δt ∇v_p) F_E, then the plastic return.
+/// ∇v_p = Σ v_i (∇w_ip)^T, F̂_E = (I + Δt ∇v_p) F_E, then the plastic return. A solver may
+/// keep F̂_E − I, with the rounding of that.
 void BoundModel::deformation(const State& before, double dt) {
   const Particles& p = before.particles;
   const Grid& grid = before.grid;
@@ -38,10 +39,12 @@ void BoundModel::deformation(const State& before, double dt) {
     }
     const Mat3 growth = Mat3::Identity() + dt * L;
     const double F = p.F_E[q].norm();
-    const double F_hat_error = dt * L_error * F + growth.norm() * bounds_.F_E[q] +
-                               Roundoff::few * r_.eps * growth.norm() * F;
+    const Mat3 F_hat = growth * p.F_E[q];
+    const double size = std::max(growth.norm() * F, (F_hat - Mat3::Identity()).norm());
+    const double F_hat_error =
+        dt * L_error * F + growth.norm() * bounds_.F_E[q] + Roundoff::few * r_.eps * size;
     const ReturnErrors errors =
-        plastic_return(scene_.materials[static_cast<std::size_t>(p.material[q])], growth * p.F_E[q],
+        plastic_return(scene_.materials[static_cast<std::size_t>(p.material[q])], F_hat,
                        F_hat_error, p.F_P[q], bounds_.F_P[q], r_.eps);
     bounds_.F_E[q] = errors.F_E;
     bounds_.F_P[q] = errors.F_P;

@@ -41,10 +41,11 @@ Sized kirchhoff_stress(const Material& material, const Mat3& F_E, const Mat3& F_
                        double F_P_error, double eps) {
   const Vec3 sigma = signed_singular_values(F_E);
   const double J = F_E.determinant(), J_P = F_P.determinant();
-  // e^{ξ(1−J_P)}: an error of the exponent is a relative error of μ and λ.
+  // e^{ξ(1−J_P)}: an error of the exponent is a relative error of μ and λ. From F_P − I the
+  // determinant is a sum of terms of size 1.
   const double exponent = material.hardening * (1 - J_P);
-  const double J_P_error =
-      cofactor_norm(signed_singular_values(F_P)) * F_P_error + 6 * eps * permanent(F_P);
+  const double J_P_error = cofactor_norm(signed_singular_values(F_P)) * F_P_error +
+                           6 * eps * std::max(1.0, permanent(F_P));
   const double hardening_error =
       material.hardening * J_P_error + Roundoff::few * eps * (1 + std::abs(exponent));
   const double hardening = std::exp(exponent);
@@ -95,12 +96,13 @@ ReturnErrors plastic_return(const Material& material, const Mat3& F_hat, double 
   errors.F_E = std::min(
       2 * clamped.norm(),
       condition * F_hat_error + Roundoff::deformation * eps * std::max(1.0, condition * sigma[0]));
-  // F_P = F_E⁻¹ F̂_E F_P, first order in each factor.
+  // F_P = F_E⁻¹ F̂_E F_P, first order in each factor. What is rounded is F_P or, in a solver
+  // that keeps it so, F_P − I: not less than 1.
   const double inverse = 1 / std::max(std::abs(clamped[2]), eps);
   const double F_P_norm = F_P.norm();
   const double F_P_new = inverse * sigma[0] * F_P_norm;
-  errors.F_P = inverse * (F_hat_error * F_P_norm + sigma[0] * F_P_error + errors.F_E * F_P_new +
-                          Roundoff::deformation * eps * sigma[0] * F_P_norm);
+  errors.F_P = inverse * (F_hat_error * F_P_norm + sigma[0] * F_P_error + errors.F_E * F_P_new) +
+               Roundoff::deformation * eps * std::max(1.0, F_P_new);
   return errors;
 }
 
