@@ -25,6 +25,20 @@ std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb) {
   return option;
 }
 
+std::string shell_word(const std::string& word) {
+  constexpr const char* plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./:=,+@%";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) {
+    if (c == '\'')
+      quoted.append("'\\''");
+    else
+      quoted.push_back(c);
+  }
+  return quoted + "'";
+}
+
 int threads_worth_having(std::size_t particles) {
   const std::size_t worth = 1 + particles / 16384;
   return static_cast<int>(std::min(worth, static_cast<std::size_t>(available_processors())));

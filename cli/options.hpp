@@ -26,6 +26,9 @@ int threads_worth_having(std::size_t particles);
 /// SCENE and --scale.
 std::shared_ptr<SceneOption> add_scene_option(CLI::App& verb);
 
+/// A word of a command as a shell takes it, in quotes where it needs them.
+std::string shell_word(const std::string& word);
+
 struct SolverOption {
   std::string name;
   std::string precision = "double";

@@ -32,11 +32,6 @@ struct Arguments {
   bool json = false, list = false, mutants = false;
 };
 
-/// Quotes for a shell where a name needs them.
-std::string shell_word(const std::string& word) {
-  return word.find_first_of(" {}*'\"") == std::string::npos ? word : "'" + word + "'";
-}
-
 suite::Subject subject_of(const SolverOption& option, const Registry& registry) {
   suite::Subject subject;
   SolverOption one = option;

@@ -85,9 +85,12 @@ def report(options: argparse.Namespace, command: str) -> int:
     Raises InputError for a file of another format.
     """
     kind = file_format(options.file)
-    checks = [check.read(path) for path in options.check]
+    checks = [each for path in options.check for each in check.read(path)]
     if kind == "firn-trajectory":
-        result, png = trajectory_page.build(trajectory.read(options.file), checks, command)
+        run = trajectory.read(options.file)
+        for each in checks:
+            check.require_same_trajectory(each, run.facts, run.scene_text, options.file)
+        result, png = trajectory_page.build(run, checks, command)
         path = page.write(result, options.output)
         (Path(options.output) / "snowball.png").write_bytes(png)
         print(path)
@@ -108,6 +111,8 @@ def report_results(options: argparse.Namespace, checks: list[check.Check], comma
             raise InputError(f"{options.baseline}: format: got {kind}, allowed: firn-results")
         old = results.read(options.baseline)
     result, failed = results_page.build(new, old, options.threshold, command)
+    for each in checks:
+        check.require_same_results(each, new.sessions, new.subjects())
     if checks:
         result.sections.append(check.section(checks))
     print(page.write(result, options.output))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `firn check --json` prints: the verdict, the fields that each stage wrote, properties."""
+"""What `firn check --json` prints: the verdict, what it belongs to, and each field's errors."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TypeAlias
 
@@ -9,28 +10,100 @@ import numpy as np
 from . import InputError, json_file
 from .kinds import Json
 from .page import Figure, Mark, Section, Table, number
+from .scene_hash import scene_hash
 from .style import BAD, SERIES, log_axis, panel, to_svg
 
 Check: TypeAlias = Json
-KIND = {"VALID": "good", "INVALID": "bad"}
+KIND = {"VALID": "good", "INVALID": "bad", "INCOMPLETE": "warn"}
+VERSION = 2
 
 
-def read(path: str | Path) -> Check:
-    """The output of `firn check --json`.
+def read(path: str | Path) -> list[Check]:
+    """The checks that the output of `firn check --json` holds, several without a scene.
 
-    Raises InputError if the file holds something else.
+    Raises InputError if the file holds something else, or no verdict.
     """
-    check = json_file.read(path)
-    if not isinstance(check, dict) or check.get("verdict") not in KIND or "fields" not in check:
+    file = json_file.read(path)
+    schema = file.get("schema") if isinstance(file, dict) else None
+    if schema not in ("firn-check", "firn-check-set"):
+        raise InputError(f"{path}: schema: got {schema}, allowed: firn-check, firn-check-set")
+    if file.get("version") != VERSION:
+        raise InputError(f"{path}: version: got {file.get('version')}, allowed: {VERSION}")
+    checks = file["checks"] if schema == "firn-check-set" else [file]
+    for check in checks:
+        check["of_a_set"] = schema == "firn-check-set"
+        if check.get("verdict") not in KIND:
+            raise InputError(
+                f"{path}: verdict: got {check.get('verdict')}, allowed: {', '.join(KIND)}"
+            )
+        if check["verdict"] == "VALID" and not (check.get("fields") and check.get("compared")):
+            raise InputError(f"{path}: no verdict: VALID though no numbers were compared")
+    if not checks:
+        raise InputError(f"{path}: no verdict: the file holds no check")
+    return checks
+
+
+def require_same_trajectory(check: Check, facts: Json, scene_text: str, path: str | Path) -> None:
+    """Raises InputError unless the check is about the solver and scene of a trajectory.
+
+    The standard set is about a solver, whatever the scene.
+    """
+    pairs = [(key, check.get(other), facts.get(key)) for key, other in _SOLVER.items()]
+    if not check["of_a_set"]:
+        pairs.append(("scene", check.get("scene_hash"), scene_hash(scene_text)))
+    for what, checked, shown in pairs:
+        if checked != shown:
+            raise InputError(
+                f"--check: {what}: got a check of {checked} ({check.get('scene')}), "
+                f"allowed: {shown}, as in {path}"
+            )
+
+
+def require_same_results(
+    check: Check, sessions: list[Json], subjects: set[tuple[str, str]]
+) -> None:
+    """Raises InputError unless results hold the check's solver, measured at the same commit."""
+    subject = (str(check.get("subject")), str(check.get("precision")))
+    if subject not in subjects:
         raise InputError(
-            f"{path}: no `verdict` and `fields`: allowed: what `firn check --json` prints"
+            f"--check: solver: got a check of {', '.join(subject)}, allowed: "
+            + ", ".join(" ".join(s) for s in sorted(subjects))
         )
-    return check
+    commits = {session.get("git_commit") for session in sessions}
+    if check.get("git_commit") not in commits:
+        raise InputError(
+            f"--check: git_commit: got {check.get('git_commit')}, allowed: "
+            + ", ".join(sorted(str(commit) for commit in commits))
+        )
+
+
+_SOLVER = {"solver": "subject", "precision": "precision"}
 
 
 def mark(check: Check) -> Mark:
-    """The verdict as a coloured word."""
+    """The verdict, with what it lacks: VALID stands alone only where nothing is missing."""
+    missing = [item["what"] for item in check.get("not_exercised", [])]
+    if check["verdict"] == "VALID" and missing:
+        return Mark("VALID; not exercised: " + ", ".join(missing), "warn")
     return Mark(check["verdict"], KIND[check["verdict"]])
+
+
+def worst_mark(checks: list[Check]) -> Mark:
+    """One verdict of several checks: what one lacked another may have exercised."""
+    for verdict in ("INVALID", "INCOMPLETE"):
+        for check in checks:
+            if check["verdict"] == verdict:
+                return mark(check)
+    met = {item["key"] for c in checks for item in c.get("exercised", []) if item["count"] > 0}
+    together = dict(checks[0])
+    together["not_exercised"] = [
+        item
+        for i, c in enumerate(checks)
+        for item in c.get("not_exercised", [])
+        if not met & set(item.get("shown_by", []))
+        and item not in [old for earlier in checks[:i] for old in earlier.get("not_exercised", [])]
+    ]
+    return mark(together)
 
 
 def name(check: Check) -> str:
@@ -38,9 +111,20 @@ def name(check: Check) -> str:
     return f"{check.get('subject', '?')} ({check.get('precision', '?')}) against {check.get('reference', '?')}"
 
 
+def steps(check: Check) -> str:
+    """The steps of the scene that were compared: "0, 258 to 260"."""
+    texts = []
+    for window in check.get("windows", []):
+        first, last = window["start_step"], window["start_step"] + max(window["steps"], 1) - 1
+        texts.append(number(first) if first == last else f"{number(first)} to {number(last)}")
+    return ", ".join(texts)
+
+
 def sentence(check: Check) -> str:
     """One line for the top of the page."""
-    text = f"{name(check)}, {number(int(check.get('steps', 0)))} steps of {check.get('scene', '?')}, {check.get('mode', '?')}"
+    text = (
+        f"{name(check)}, {check.get('scene', '?')}, {check.get('mode', '?')}, steps {steps(check)}"
+    )
     divergence = check.get("first_divergence")
     if divergence:
         return f"{text}: {divergence.get('message') or 'diverges first in ' + divergence.get('through', '?')}"
@@ -51,10 +135,24 @@ def sentence(check: Check) -> str:
 
 def command(check: Check) -> str:
     """What repeats the check."""
-    return (
-        f"firn check {check.get('scene', 'SCENE')} --solver {check.get('subject', '?')} "
-        f"--against {check.get('reference', 'reference')} --precision {check.get('precision', 'double')} "
-        f"--mode {check.get('mode', 'lockstep')} --steps {check.get('steps', 1)} --json"
+    return check.get("command") or ""
+
+
+def exercised_rows(check: Check) -> Iterator[list[object]]:
+    """Stage, count, and what was counted, for what occurred."""
+    for item in check.get("exercised", []):
+        if item["count"] > 0:
+            yield [item["stage"], item["count"], f"{item['of']} {item['what']}"]
+
+
+def exercised_table(check: Check, i: int) -> Table:
+    """What the compared states contained."""
+    return Table(
+        f"check_{i}_exercised",
+        f"{name(check)}: exercised in the compared steps",
+        ["stage", "count", "of what"],
+        list(exercised_rows(check)),
+        command=command(check),
     )
 
 
@@ -67,7 +165,11 @@ def section(checks: list[Check]) -> Section:
     )
     for i, check in enumerate(checks, 1):
         result.figures.append(figure(check))
-        result.tables += [fields_table(check, i), properties_table(check, i)]
+        result.tables += [
+            fields_table(check, i),
+            properties_table(check, i),
+            exercised_table(check, i),
+        ]
     result.tables = [table for table in result.tables if table.rows]
     return result
 
@@ -105,7 +207,12 @@ def figure(check: Check) -> Figure:
     log_axis(axes, "x")
     axes.set_xlabel("largest error, in units of its bound", loc="right")
     axes.grid(False, axis="y")
-    return Figure(name(check), to_svg(plot), command=command(check), caption=sentence(check))
+    return Figure(
+        f"{check.get('scene', '?')}: {name(check)}",
+        to_svg(plot),
+        command=command(check),
+        caption=sentence(check),
+    )
 
 
 def fields_table(check: Check, i: int) -> Table:

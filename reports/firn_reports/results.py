@@ -94,6 +94,14 @@ class Results:
     verify: dict[str, Json] = field(default_factory=dict)  # by subject: {verdict, command, rows}
     mutants: Json = field(default_factory=dict)  # {command, rows}
 
+    def subjects(self) -> set[tuple[str, str]]:
+        """Solver and precision of every case that has them."""
+        return {
+            (str(case["solver"]), str(case["precision"]))
+            for case in self.cases
+            if case["solver"] is not None and case["precision"] is not None
+        }
+
     def suite(self, name: str) -> list[Case]:
         """The cases of a suite."""
         return [case for case in self.cases if case.suite == name]

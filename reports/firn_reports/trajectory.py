@@ -55,6 +55,7 @@ class Trajectory:
     times: Array  # of the frames [s]
     facts: dict[str, str] = field(default_factory=dict)  # attributes of /firn
     scene: Json = field(default_factory=dict)  # the resolved TOML
+    scene_text: str = ""  # the same as text
     diagnostics: dict[str, Array] = field(default_factory=dict)  # by name, one row per step
     units: dict[str, str] = field(default_factory=dict)  # by name
     particles: int = 0
@@ -115,7 +116,7 @@ def read(path: str | Path) -> Trajectory:
         }
         scene = text_attribute(firn, "scene")
     try:
-        trajectory.scene = tomllib.loads(scene)
+        trajectory.scene_text, trajectory.scene = scene, tomllib.loads(scene)
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: /firn scene: not TOML: {error}") from None
     return trajectory

@@ -105,7 +105,7 @@ def set_verdict(page: Page, checks: list[Check]) -> None:
         )
         return
     bad = [c for c in checks if c["verdict"] != "VALID"]
-    page.verdict = checks_json.mark((bad or checks)[0])
+    page.verdict = checks_json.worst_mark(checks)
     page.sentence = "; ".join(checks_json.sentence(c) for c in (bad or checks))
 
 

@@ -15,9 +15,10 @@ def trajectory_file(tmp_path_factory):
 
 @pytest.fixture
 def check_file(tmp_path):
-    def write(verdict):
+    def write(verdict, scene_text=synthetic.SCENE, **changes):
         path = tmp_path / f"{verdict}.json"
-        path.write_text(json.dumps(synthetic.check(verdict)))
+        check = synthetic.check(verdict, scene_text, changes.pop("missing", ()))
+        path.write_text(json.dumps(check | changes))
         return path
 
     return write

@@ -9,6 +9,7 @@ from firn_reports import InputError, trajectory, trajectory_page
 from firn_reports.__main__ import main
 from firn_reports.colliders import collider_distance, free_flight_reach
 from firn_reports.laws import Laws
+from firn_reports.scene_hash import scene_hash
 
 import synthetic
 
@@ -106,6 +107,47 @@ def test_the_page_is_one_file_with_its_verdict(
     rows = (tmp_path / "out" / "csv" / "diagnostics.csv").read_text().splitlines()
     assert rows[0].startswith("time [s],dt [s]")
     assert len(rows) == 401
+
+
+def test_valid_does_not_stand_alone_where_something_is_missing(
+    trajectory_file, check_file, tmp_path
+):
+    check = check_file("VALID", missing=["contact"])
+    assert main([str(trajectory_file), "--check", str(check), "-o", str(tmp_path / "out")]) == 0
+    html = (tmp_path / "out" / "index.html").read_text()
+    assert 'class="verdict warn"' in html
+    assert "<strong>VALID; not exercised: contact</strong>" in html
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"scene_text": "name = 'another'"}, "scene"),
+        ({"subject": "mine"}, "solver"),
+        ({"precision": "float"}, "precision"),
+        ({"fields": []}, "no verdict"),
+        ({"compared": 0}, "no verdict"),
+        ({"version": 1}, "version"),
+        ({"schema": "else"}, "schema"),
+    ],
+)
+def test_a_check_of_something_else_is_refused(
+    trajectory_file, check_file, tmp_path, capsys, changes, message
+):
+    check = check_file("VALID", **changes)
+    assert main([str(trajectory_file), "--check", str(check), "-o", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_scene_hash_ignores_what_changes_no_step():
+    text = "[grid]\nspacing = 1\n[time]\nend = 1.0\nstep = 0.1\n"
+    assert scene_hash(text) == scene_hash(text.replace("end = 1.0", "end = 2.0"))
+    assert scene_hash(text) != scene_hash(text.replace("step = 0.1", "step = 0.2"))
+    # What firn/scene_hash.cpp gives, too (Scene.TheHashIsThatOfTheReports).
+    assert scene_hash(text) == "62848357c0201d2b"
 
 
 @pytest.mark.parametrize(

@@ -7,24 +7,11 @@
 #include <limits>
 
 #include "verification/check/bounds.hpp"
+#include "verification/check/contact_kind.hpp"
 
 namespace firn::check {
 
 namespace {
-
-/// Step 5 as the paper writes it, here only to see how far its result moves when
-/// its arguments do.
-Vec3 respond(const Collider& collider, const Contact& contact, const Vec3& v) {
-  if (contact.phi > 0) return v;
-  if (collider.sticky) return contact.velocity;
-  const Vec3 v_rel = v - contact.velocity;
-  const double v_n = v_rel.dot(contact.normal);
-  if (v_n >= 0) return v;
-  const Vec3 v_t = v_rel - v_n * contact.normal;
-  const double speed = v_t.norm();
-  if (speed <= -collider.friction * v_n) return contact.velocity;
-  return (1 + collider.friction * v_n / speed) * v_t + contact.velocity;
-}
 
 /// How uncertain the argument of φ, n and v_co is [m]: the point itself and the
 /// few operations that take it into the collider's frame, turned by ωt about a

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firn/error.hpp"
+#include "firn/scene_hash.hpp"
 #include "verification/check/run.hpp"
 
 namespace firn {
@@ -60,21 +61,45 @@ CheckReport run_check(const Scene& scene, Solver& reference, Solver& subject,
 CheckReport run_check(const Scene& scene, const State& initial, Solver& reference, Solver& subject,
                       const CheckOptions& options) {
   require(scene, reference, subject, options);
+  return run_check(scene,
+                   {{advanced(scene, initial, reference, options.start_step), options.steps}},
+                   reference, subject, options);
+}
+
+CheckReport run_check(const Scene& scene, const std::vector<CheckWindow>& windows,
+                      Solver& reference, Solver& subject, const CheckOptions& options) {
+  require(scene, reference, subject, options);
   CheckReport report;
   report.scene = scene.name;
+  report.scene_hash = scene_hash(scene.toml);
   report.reference = reference.traits().name;
   report.subject = subject.traits().name;
   report.precision = subject.traits().precision;
   report.mode = options.mode;
-  report.start_step = options.start_step;
-  report.particles = initial.particles.size();
-  const State start = advanced(scene, initial, reference, options.start_step);
   check::Recorder recorder(report);
-  if (options.mode == CheckMode::lockstep)
-    check::run_lockstep(scene, start, reference, subject, options, recorder);
-  else
-    check::run_free(scene, start, reference, subject, options, recorder);
+  for (const CheckWindow& window : windows) {
+    report.particles = std::max(report.particles, window.start.particles.size());
+    report.windows.push_back({window.start.step, 0});
+    CheckOptions one = options;
+    one.steps = window.steps;
+    const std::int64_t before = report.steps;
+    if (options.progress)
+      one.progress = [&](std::int64_t done) {
+        report.interrupted = !options.progress(before + done);
+        return !report.interrupted;
+      };
+    if (options.mode == CheckMode::lockstep)
+      check::run_lockstep(scene, window.start, reference, subject, one, recorder);
+    else
+      check::run_free(scene, window.start, reference, subject, one, recorder);
+    report.windows.back().steps = report.steps - before;
+    if (report.interrupted || report.windows.back().steps < window.steps) break;
+  }
+  std::int64_t planned = 0;
+  for (const CheckWindow& window : windows) planned += window.steps;
+  report.interrupted = report.interrupted && report.steps < planned;
   recorder.finish();
+  report.not_exercised = not_exercised(scene, report.exercised);
   return report;
 }
 

@@ -14,12 +14,14 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "firn/scene.hpp"
 #include "firn/solver.hpp"
 #include "firn/stage.hpp"
 #include "firn/state.hpp"
+#include "verification/check/exercised.hpp"
 
 namespace firn {
 
@@ -56,7 +58,9 @@ struct FieldCheck {
   bool kept = false;  ///< no stage in between writes the field: it must be what was loaded
 
   std::int64_t compared = 0;  ///< numbers compared
+  std::int64_t wrong = 0;     ///< of these, beyond their bounds
   std::int64_t non_finite = 0;
+  double reference_size = 0;    ///< largest |value| of the reference, over all steps [field's unit]
   double largest_absolute = 0;  ///< [field's unit]
   double rms_absolute = 0;
   double largest_relative = 0;   ///< in units of the step's largest |value| of that field
@@ -85,15 +89,27 @@ struct Divergence {
   std::string message;               ///< one line with place, values and bound
 };
 
+/// Steps that were compared one after the other.
+struct CheckedWindow {
+  std::int64_t start_step = 0;  ///< the scene's step with which it begins
+  std::int64_t steps = 0;       ///< compared, all in all
+};
+
 struct CheckReport {
   std::string scene, reference, subject;
+  std::string scene_hash;  ///< firn/scene_hash.hpp
+  std::string command;     ///< that repeats the check; empty: the caller did not say
   Precision precision = Precision::float64;  ///< the subject's
   CheckMode mode = CheckMode::lockstep;
-  std::int64_t steps = 0, start_step = 0;  ///< steps really compared
+  std::int64_t steps = 0;  ///< compared in all windows
+  std::vector<CheckedWindow> windows;
   std::size_t particles = 0;
   std::vector<FieldCheck> fields;  ///< in stage order
   std::vector<PropertyCheck> properties;
   std::optional<Divergence> first_divergence;
+  Exercised exercised;                     ///< what the compared states contained
+  std::vector<std::string> not_exercised;  ///< keys of requirements() that the scene calls for
+  bool interrupted = false;                ///< ended before all steps were compared
 
   bool valid() const { return !first_divergence.has_value(); }
   std::int64_t compared() const;  ///< numbers compared, all in all
@@ -112,8 +128,28 @@ CheckReport run_check(const Scene& scene, Solver& reference, Solver& subject,
 CheckReport run_check(const Scene& scene, const State& initial, Solver& reference, Solver& subject,
                       const CheckOptions& options = {});
 
-/// The report as a table: one row per stage and field, the verdict last.
-std::string to_table(const CheckReport& report);
+/// The same from several states, each for its own number of steps (those of `options` are not
+/// used).
+struct CheckWindow {
+  State start;  ///< between two steps
+  std::int64_t steps = 1;
+};
+CheckReport run_check(const Scene& scene, const std::vector<CheckWindow>& windows,
+                      Solver& reference, Solver& subject, const CheckOptions& options = {});
+
+/// "VALID", "INVALID" or, where it was interrupted before anything differed, "INCOMPLETE".
+std::string_view verdict_word(const CheckReport& report);
+
+/// "VALID: 3990280 numbers compared, largest error 0.51 of its bound; not exercised: contact".
+std::string verdict_line(const CheckReport& report);
+
+struct TableStyle {
+  bool all_rows = false;  ///< else what failed and the rows with the largest errors
+  bool colour = false;    ///< escape sequences of a terminal
+};
+
+/// The report as a table of at most 100 columns: what failed first, the verdict last.
+std::string to_table(const CheckReport& report, const TableStyle& style = {});
 
 /// The same as JSON text. Non-finite numbers become strings ("nan", "inf").
 std::string to_json(const CheckReport& report);

@@ -23,6 +23,7 @@ void FieldRow::add(Place place, double scale) {
   if (!std::isfinite(place.subject_value)) {
     if (check_.non_finite++ == 0) check_.worst = place;
     ++check_.compared;
+    ++check_.wrong;
     check_.largest_absolute = check_.largest_relative = check_.largest_in_bounds =
         std::numeric_limits<double>::infinity();
     check_.valid = false;
@@ -36,12 +37,16 @@ void FieldRow::add(Place place, double scale) {
   value_squares_ += place.reference_value * place.reference_value;
   bound_squares_ += in_bounds * in_bounds;
   check_.largest_absolute = std::max(check_.largest_absolute, error);
+  check_.reference_size = std::max(check_.reference_size, std::abs(place.reference_value));
   if (error > 0) check_.largest_relative = std::max(check_.largest_relative, error / scale);
   // The first number stands as `worst` until something is worse.
   if (check_.non_finite == 0 && (first || in_bounds > check_.largest_in_bounds))
     check_.worst = place;
   check_.largest_in_bounds = std::max(check_.largest_in_bounds, in_bounds);
-  if (!(in_bounds <= 1)) check_.valid = false;
+  if (!(in_bounds <= 1)) {
+    ++check_.wrong;
+    check_.valid = false;
+  }
 }
 
 void FieldRow::finish() {

@@ -115,6 +115,23 @@ void advance(const Scene& scene, Solver& reference, State& state, double dt) {
   state.grid.clear();
 }
 
+/// The same stage by stage, which gives the same bits, with the scene's Δt; returns Δt.
+double advance_and_count(const Scene& scene, Solver& reference, State& state,
+                         Exercised& exercised) {
+  reference.load(scene, state);
+  const TimeStep chosen = reference.choose_time_step();
+  exercised.add_step(chosen.bound);
+  State after;
+  for (const Stage stage : all_stages) {
+    const StepReport told = reference.advance_through(stage, chosen.dt);
+    reference.store(after);
+    exercised.add(scene, stage, state, after, told);
+    std::swap(state, after);
+  }
+  state.grid.clear();
+  return chosen.dt;
+}
+
 }  // namespace
 
 void run_free(const Scene& scene, State state, Solver& reference, Solver& subject,
@@ -128,9 +145,7 @@ void run_free(const Scene& scene, State state, Solver& reference, Solver& subjec
   State twin = perturbed(scene, state, reference.choose_time_step().dt), theirs;
   for (std::int64_t n = 1; n <= options.steps; ++n) {
     recorder.set_step(state.step);
-    reference.load(scene, state);
-    const double dt = reference.choose_time_step().dt;
-    advance(scene, reference, state, dt);
+    const double dt = advance_and_count(scene, reference, state, recorder.exercised());
     advance(scene, reference, twin, dt);
     const bool done = recorder.guard(Stage::rasterize, Stage::positions, [&] {
       subject.step(dt);

@@ -89,16 +89,20 @@ class Lockstep {
 
 bool Lockstep::step(State& start) {
   reference_.load(scene_, start);
-  const double dt = reference_.choose_time_step().dt;
+  const TimeStep chosen = reference_.choose_time_step();
+  const double dt = chosen.dt;
   recorder_.set_step(start.step);
+  recorder_.exercised().add_step(chosen.bound);
 
   model_.load(start);
   whole_step_.load(start);
   State input = start, before = start, after;
   Stage from = Stage::rasterize;
   for (const Stage stage : all_stages) {
-    const bool indefinite = reference_.advance_through(stage, dt).solver_indefinite;
+    const StepReport told = reference_.advance_through(stage, dt);
+    const bool indefinite = told.solver_indefinite;
     reference_.store(after);
+    recorder_.exercised().add(scene_, stage, before, after, told);
     model_.advance(stage, before, after, dt, indefinite);
     whole_step_.advance(stage, before, after, dt, indefinite);
     const auto& stops = subject_.traits().stops;

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "firn/build_info.hpp"
+#include "firn/machine.hpp"
 #include "firn/registry.hpp"
 #include "verification/check/check.hpp"
+#include "verification/check/report_text.hpp"
 
 namespace firn {
 
@@ -20,6 +24,17 @@ ordered_json finite_or_text(double value) {
 }
 
 std::string verdict(bool valid) { return valid ? "VALID" : "INVALID"; }
+
+ordered_json exercised_json(const Exercised& exercised) {
+  ordered_json json = ordered_json::array();
+  for (const FeatureName& feature : feature_names())
+    json.push_back({{"key", feature.key},
+                    {"stage", std::string(name(feature.stage))},
+                    {"of", feature.of},
+                    {"what", feature.phrase},
+                    {"count", exercised[feature.feature]}});
+  return json;
+}
 
 ordered_json place_json(const Place& place) {
   ordered_json json;
@@ -44,6 +59,7 @@ ordered_json field_json(const FieldCheck& row) {
   json["field"] = std::string(name(row.field));
   json["units"] = std::string(units(row.field));
   json["compared"] = row.compared;
+  json["wrong"] = row.wrong;
   json["non_finite"] = row.non_finite;
   json["largest_absolute"] = finite_or_text(row.largest_absolute);
   json["rms_absolute"] = finite_or_text(row.rms_absolute);
@@ -76,19 +92,46 @@ ordered_json divergence_json(const Divergence& divergence) {
 
 }  // namespace
 
+ordered_json check::not_exercised_json(const std::vector<std::string>& keys) {
+  ordered_json json = ordered_json::array();
+  for (const std::string& key : keys) {
+    const Requirement& requirement = requirement_of(key);
+    ordered_json shown_by = ordered_json::array();
+    for (const FeatureName& feature : feature_names())
+      if (std::count(requirement.any_of.begin(), requirement.any_of.end(), feature.feature) > 0)
+        shown_by.push_back(feature.key);
+    json.push_back({{"key", key}, {"what", requirement.phrase}, {"shown_by", shown_by}});
+  }
+  return json;
+}
+
 std::string to_json(const CheckReport& report) {
   ordered_json json;
+  json["schema"] = "firn-check";
+  json["version"] = 2;
+  json["command"] = report.command;
+  json["firn_version"] = build_info().version;
+  json["git_commit"] = build_info().git_commit;
+  json["compiler"] = build_info().compiler;
+  json["processor"] = processor_name();
   json["scene"] = report.scene;
+  json["scene_hash"] = report.scene_hash;
   json["reference"] = report.reference;
   json["subject"] = report.subject;
   json["precision"] = std::string(name(report.precision));
   json["mode"] = report.mode == CheckMode::lockstep ? "lockstep" : "free";
-  json["start_step"] = report.start_step;
   json["steps"] = report.steps;
+  json["windows"] = ordered_json::array();
+  for (const CheckedWindow& window : report.windows)
+    json["windows"].push_back({{"start_step", window.start_step}, {"steps", window.steps}});
   json["particles"] = report.particles;
   json["compared"] = report.compared();
   json["largest_in_bounds"] = finite_or_text(report.largest_in_bounds());
-  json["verdict"] = verdict(report.valid());
+  json["verdict"] = std::string(verdict_word(report));
+  json["line"] = verdict_line(report);
+  json["not_exercised"] = check::not_exercised_json(report.not_exercised);
+  json["exercised"] = exercised_json(report.exercised);
+  json["solver_iterations"] = report.exercised.iterations();
   json["first_divergence"] =
       report.first_divergence ? divergence_json(*report.first_divergence) : ordered_json();
   json["fields"] = ordered_json::array();

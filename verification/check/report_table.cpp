@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <iterator>
 #include <string>
 
 #include "firn/registry.hpp"
 #include "verification/check/check.hpp"
+#include "verification/check/report_text.hpp"
 
 namespace firn {
 
@@ -27,15 +29,28 @@ std::string stage_range(Stage from, Stage through) {
   return fmt::format("{}-{} {}..{}", number(from), number(through), name(from), name(through));
 }
 
+std::string_view verdict_word(const CheckReport& report) {
+  if (!report.valid()) return "INVALID";
+  return report.interrupted || report.compared() == 0 ? "INCOMPLETE" : "VALID";
+}
+
 namespace {
+
+/// Rows that a table shows unless all are asked for.
+constexpr std::size_t rows_shown = 12;
 
 std::string_view mode_name(CheckMode mode) {
   return mode == CheckMode::lockstep ? "lockstep" : "free";
 }
 
-std::string_view verdict_word(bool valid) { return valid ? "VALID" : "INVALID"; }
+/// A stretch in the width of a table: the stage's name, or "1-10 whole step", or "3-6".
+std::string short_range(Stage from, Stage through) {
+  if (from == through) return stage_range(from, through);
+  const bool whole = from == Stage::rasterize && through == Stage::positions;
+  return fmt::format("{}-{}{}", number(from), number(through), whole ? " whole step" : "");
+}
 
-/// "particle 12 [x]", "node (3,4,5) [y]".
+/// "p12[x]", "(3,4,5)[y]".
 std::string place_text(const FieldCheck& row) {
   const Place& place = row.worst;
   static constexpr const char* axes[] = {"[x]", "[y]", "[z]"};
@@ -55,43 +70,100 @@ std::string place_text(const FieldCheck& row) {
   return fmt::format("p{}{}", place.id, component);
 }
 
-void field_row(std::string& out, const FieldCheck& row) {
-  const auto to = std::back_inserter(out);
-  fmt::format_to(to, "{:<38} {:<15} {:<4} {:>10} ", stage_range(row.from, row.through),
-                 fmt::format("{}{}", name(row.field), row.kept ? " kept" : ""), units(row.field),
-                 row.compared);
-  if (row.compared == 0) {
-    fmt::format_to(to, "{:<99} {}\n", "nothing to compare", verdict_word(row.valid));
-    return;
+/// What failed first, by the size of the error; then the others likewise.
+std::vector<const FieldCheck*> in_order(const CheckReport& report, bool all) {
+  std::vector<const FieldCheck*> rows;
+  for (const FieldCheck& row : report.fields)
+    if (!row.kept || !row.valid) rows.push_back(&row);
+  if (all) return rows;
+  std::stable_sort(rows.begin(), rows.end(), [](const FieldCheck* a, const FieldCheck* b) {
+    if (a->valid != b->valid) return !a->valid;
+    return a->largest_in_bounds > b->largest_in_bounds;
+  });
+  std::size_t failed = 0;
+  while (failed < rows.size() && !rows[failed]->valid) ++failed;
+  rows.resize(std::min(rows.size(), std::max(failed, rows_shown)));
+  return rows;
+}
+
+class Table {
+ public:
+  explicit Table(const TableStyle& style) : style_(style) {}
+
+  void field(const FieldCheck& row) {
+    std::string line =
+        fmt::format("{:<22} {:<14} {:<5} {:>10} ", short_range(row.from, row.through),
+                    name(row.field), units(row.field), row.compared);
+    if (row.compared == 0) {
+      out_ += line + "nothing to compare\n";
+      return;
+    }
+    const std::string relative =
+        row.reference_size > 0 ? fmt::format("{:.1e}", row.largest_relative) : "-";
+    line += fmt::format("{:>8.1e} {:>8} {:>8.2g} {:<16}", row.largest_absolute, relative,
+                        row.largest_in_bounds, place_text(row));
+    while (line.back() == ' ') line.pop_back();
+    out_ += (row.valid ? line : check::paint(line, "INVALID", style_)) + '\n';
+    if (row.valid) return;
+    fmt::format_to(std::back_inserter(out_),
+                   "    {} of {} wrong{}; the worst in step {}: {:.9g}, should be {:.9g}\n",
+                   row.wrong, row.compared, row.kept ? ", though no stage here writes them" : "",
+                   row.worst.step, row.worst.subject_value, row.worst.reference_value);
   }
-  fmt::format_to(to, "{:>8.1e} {:>8.1e} {:>8.1e} {:>8.1e} {:>8.2g} {:>8.2g} ", row.largest_absolute,
-                 row.rms_absolute, row.largest_relative, row.rms_relative, row.largest_in_bounds,
-                 row.rms_in_bounds);
-  fmt::format_to(to, "{:>5} {:<16} {:>12.5g} {:>9.1e} {}\n", row.worst.step, place_text(row),
-                 row.worst.reference_value, row.worst.subject_value - row.worst.reference_value,
-                 verdict_word(row.valid));
+
+  std::string& text() { return out_; }
+
+ private:
+  TableStyle style_;
+  std::string out_;
+};
+
+/// "steps 0 and 159 to 160": the scene's steps that were compared.
+std::string windows_text(const CheckReport& report) {
+  std::string text;
+  for (const CheckedWindow& window : report.windows) {
+    text += text.empty() ? "" : ", ";
+    const std::int64_t last = window.start_step + std::max<std::int64_t>(window.steps, 1) - 1;
+    text += window.start_step == last ? fmt::format("{}", last)
+                                      : fmt::format("{} to {}", window.start_step, last);
+  }
+  return text;
 }
 
 }  // namespace
 
-std::string to_table(const CheckReport& report) {
-  std::string out;
+std::string verdict_line(const CheckReport& report) {
+  if (report.compared() == 0 && report.valid()) return "INCOMPLETE: nothing was compared";
+  return fmt::format("{}: {} numbers compared, largest error {:.2g} of its bound{}",
+                     verdict_word(report), report.compared(), report.largest_in_bounds(),
+                     check::not_exercised_text(report.not_exercised));
+}
+
+std::string to_table(const CheckReport& report, const TableStyle& style) {
+  Table table(style);
+  std::string& out = table.text();
   const auto to = std::back_inserter(out);
-  fmt::format_to(to, "{} ({}) against {}: scene {}, {} particles, {}, steps {} to {}\n\n",
-                 report.subject, name(report.precision), report.reference, report.scene,
-                 report.particles, mode_name(report.mode), report.start_step,
-                 report.start_step + report.steps);
-  fmt::format_to(to,
-                 "{:<38} {:<15} {:<4} {:>10} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>5} {:<16} "
-                 "{:>12} {:>9} {}\n",
-                 "stages", "field", "unit", "values", "max abs", "rms abs", "max rel", "rms rel",
-                 "max/bnd", "rms/bnd", "step", "worst at", "reference", "error", "verdict");
-  for (const FieldCheck& row : report.fields)
-    if (!row.kept || !row.valid) field_row(out, row);
+  fmt::format_to(to, "{} ({}) against {}: scene {}, {} particles, {}\n", report.subject,
+                 name(report.precision), report.reference, report.scene, report.particles,
+                 mode_name(report.mode));
+  out += check::wrapped("steps", {windows_text(report)});
+  fmt::format_to(to, "\n{:<22} {:<14} {:<5} {:>10} {:>8} {:>8} {:>8} {}\n", "stage", "field",
+                 "unit", "numbers", "max err", "max rel", "of bound", "worst at");
+  const std::vector<const FieldCheck*> rows = in_order(report, style.all_rows);
+  for (const FieldCheck* row : rows) table.field(*row);
+  std::size_t all = 0;
+  for (const FieldCheck& row : report.fields) all += !row.kept || !row.valid;
+  if (all > rows.size())
+    fmt::format_to(to, "{} more rows within their bounds: --all shows them\n", all - rows.size());
   if (!report.properties.empty()) out += '\n';
-  for (const PropertyCheck& row : report.properties)
-    fmt::format_to(to, "{:<69} {:>10} {}{}{}\n", row.name, row.compared, verdict_word(row.valid),
-                   row.detail.empty() ? "" : ": ", row.detail);
+  for (const PropertyCheck& row : report.properties) {
+    fmt::format_to(to, "{:<52} {:>10} {}\n", row.name, row.compared,
+                   row.valid ? "holds" : check::paint("does not hold", "INVALID", style));
+    if (!row.detail.empty()) fmt::format_to(to, "    {}\n", row.detail);
+  }
+  if (report.exercised.steps() > 0)
+    out +=
+        "\nexercised, counted over all compared steps:\n" + check::exercised_text(report.exercised);
   out += '\n';
   if (report.first_divergence) {
     const Divergence& first = *report.first_divergence;
@@ -99,8 +171,9 @@ std::string to_table(const CheckReport& report) {
                    stage_range(first.from, first.through), first.field ? ", " : "",
                    first.field ? name(*first.field) : "", first.message);
   }
-  fmt::format_to(to, "{}: {} numbers compared, largest error {:.2g} of its bound\n",
-                 verdict_word(report.valid()), report.compared(), report.largest_in_bounds());
+  const std::string line = verdict_line(report);
+  const std::size_t word = line.find(':');
+  out += check::paint(line.substr(0, word), verdict_word(report), style) + line.substr(word) + '\n';
   return out;
 }
 

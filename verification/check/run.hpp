@@ -20,6 +20,7 @@ class Recorder {
 
   void set_step(std::int64_t step) { step_ = step; }
   void step_done() { ++report_.steps; }
+  Exercised& exercised() { return report_.exercised; }
   bool failed() const { return report_.first_divergence.has_value(); }
 
   /// Runs the subject's part. An exception becomes a divergence, and false.

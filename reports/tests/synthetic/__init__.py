@@ -4,6 +4,6 @@
 from .cases import synthetic_cases
 from .check import check
 from .results import write_results
-from .trajectory import write_trajectory
+from .trajectory import SCENE, write_trajectory
 
-__all__ = ["check", "synthetic_cases", "write_results", "write_trajectory"]
+__all__ = ["SCENE", "check", "synthetic_cases", "write_results", "write_trajectory"]

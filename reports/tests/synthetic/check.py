@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What `firn check --json` prints."""
 
+from firn_reports.scene_hash import scene_hash
 
-def check(verdict="VALID"):
+
+def check(verdict="VALID", scene_text="", missing=()):
     """What `firn check --json` prints, for two fields of one stage."""
 
     def field(name, bounds):
@@ -34,12 +36,21 @@ def check(verdict="VALID"):
 
     worst = 0.2 if verdict == "VALID" else 40.0
     return {
+        "schema": "firn-check",
+        "version": 2,
+        "command": "firn check synthetic --steps 5",
+        "git_commit": "abc",
         "scene": "synthetic",
+        "scene_hash": scene_hash(scene_text),
+        "windows": [{"start_step": 0, "steps": 2}, {"start_step": 70, "steps": 3}],
+        "not_exercised": [{"key": m, "what": m, "shown_by": [m]} for m in missing],
+        "exercised": [
+            {"key": "light_node", "stage": "rasterize", "of": "nodes", "what": "light", "count": 7}
+        ],
         "reference": "reference",
-        "subject": "other",
+        "subject": "synthetic",
         "precision": "double",
         "mode": "lockstep",
-        "start_step": 0,
         "steps": 5,
         "particles": 3000,
         "compared": 1624,
