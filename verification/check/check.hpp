@@ -68,6 +68,11 @@ struct FieldCheck {
   double largest_in_bounds = 0;  ///< error over its own bound; > 1 is INVALID
   double rms_in_bounds = 0;
   Place worst;  ///< where error over bound is largest
+  /// What explains the wrong numbers of the first step that has any (diagnosis.hpp).
+  std::vector<std::string> diagnosis;
+  /// If all of these belong to light nodes: the heaviest of them, in masses of the heaviest
+  /// particle [1]; else 0.
+  double only_light_nodes = 0;
   bool valid = true;
 };
 

@@ -19,6 +19,7 @@ FieldRow::FieldRow(Stage from, Stage through, Stage written_by, Field field, boo
 }
 
 void FieldRow::add(Place place, double scale) {
+  if (record_ != nullptr) record_->push_back(place);
   const bool first = check_.compared == 0;
   if (!std::isfinite(place.subject_value)) {
     if (check_.non_finite++ == 0) check_.worst = place;

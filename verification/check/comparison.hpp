@@ -5,6 +5,8 @@
 
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "firn/scene.hpp"
 #include "verification/check/bounds.hpp"
@@ -31,8 +33,17 @@ class FieldRow {
   /// RMS figures from the sums.
   void finish();
 
+  /// Keeps every number that is added, for a closer look.
+  void record_into(std::vector<Place>* places) { record_ = places; }
+
+  void explain(std::vector<std::string> diagnosis, double only_light_nodes) {
+    check_.diagnosis = std::move(diagnosis);
+    check_.only_light_nodes = only_light_nodes;
+  }
+
  private:
   FieldCheck check_;
+  std::vector<Place>* record_ = nullptr;
   double squares_ = 0, value_squares_ = 0, bound_squares_ = 0;
 };
 

@@ -126,6 +126,7 @@ bool Lockstep::step(State& start) {
 
 bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const State& after,
                                double dt, const BoundModel& model, bool by_step) {
+  recorder_.set_input(input, dt);
   TimeStep their_step;
   const bool done = recorder_.guard(from, stop, [&] {
     subject_.load(scene_, input);

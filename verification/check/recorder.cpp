@@ -3,6 +3,7 @@
 #include <exception>
 #include <fmt/format.h>
 
+#include "verification/check/diagnosis.hpp"
 #include "verification/check/run.hpp"
 
 namespace firn::check {
@@ -27,11 +28,29 @@ void Recorder::compare(const FieldComparison& comparison, Stage from, Stage thro
     rows_.emplace_back(from, through, written_by, field, kept);
     row = rows_.end() - 1;
   }
+  const bool was_valid = row->check().valid;
   comparison.run(*row);
+  if (was_valid && !row->check().valid && input_ != nullptr) explain(*row, comparison);
   if (!row->check().valid)
     diverged(
         from, through, field,
         (kept ? "changed by stages that do not write it: " : "") + describe(row->check().worst));
+}
+
+void Recorder::explain(FieldRow& row, const FieldComparison& comparison) {
+  const FieldCheck& check = row.check();
+  FieldRow again(check.from, check.through, check.written_by, check.field, check.kept);
+  std::vector<Place> places;
+  again.record_into(&places);
+  comparison.run(again);
+  const Evidence evidence{comparison.scene,
+                          *input_,
+                          comparison.reference,
+                          comparison.subject,
+                          check.field,
+                          dt_,
+                          places};
+  row.explain(diagnose(evidence), only_light_nodes(evidence));
 }
 
 void Recorder::property(const std::string& name, std::int64_t compared, bool valid,

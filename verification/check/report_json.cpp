@@ -67,6 +67,8 @@ ordered_json field_json(const FieldCheck& row) {
   json["rms_relative"] = finite_or_text(row.rms_relative);
   json["largest_in_bounds"] = finite_or_text(row.largest_in_bounds);
   json["rms_in_bounds"] = finite_or_text(row.rms_in_bounds);
+  json["diagnosis"] = row.diagnosis;
+  json["only_light_nodes"] = row.only_light_nodes;
   if (row.compared > 0) json["worst"] = place_json(row.worst);
   json["verdict"] = verdict(row.valid);
   return json;

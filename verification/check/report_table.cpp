@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <iterator>
 #include <string>
+#include <tuple>
 
 #include "firn/registry.hpp"
 #include "verification/check/check.hpp"
@@ -109,6 +110,7 @@ class Table {
                    "    {} of {} wrong{}; the worst in step {}: {:.9g}, should be {:.9g}\n",
                    row.wrong, row.compared, row.kept ? ", though no stage here writes them" : "",
                    row.worst.step, row.worst.subject_value, row.worst.reference_value);
+    for (const std::string& text : row.diagnosis) out_.append("    ").append(text).append("\n");
   }
 
   std::string& text() { return out_; }
@@ -117,6 +119,44 @@ class Table {
   TableStyle style_;
   std::string out_;
 };
+
+/// Wrong by how much of the field's size.
+double relative_error(const FieldCheck& row) {
+  if (!std::isfinite(row.largest_absolute)) return row.largest_absolute;
+  return row.reference_size > 0 ? row.largest_absolute / row.reference_size : 1e300;
+}
+
+/// The wrong row whose error is physically the largest: of single stages where there are such,
+/// and light nodes only where nothing else is wrong. Null if no field is wrong.
+const FieldCheck* largest_error(const CheckReport& report) {
+  const FieldCheck* largest = nullptr;
+  const auto rank = [](const FieldCheck& row) {
+    const bool pinned_down = row.from == row.through || row.from != Stage::rasterize;
+    return std::make_tuple(row.only_light_nodes == 0, pinned_down, relative_error(row));
+  };
+  for (const FieldCheck& row : report.fields)
+    if (!row.valid && (largest == nullptr || rank(row) > rank(*largest))) largest = &row;
+  return largest;
+}
+
+std::string headline(const FieldCheck& row) {
+  std::string text = fmt::format(
+      "largest error: stage {}, {}: ", stage_range(row.from, row.through), name(row.field));
+  if (row.non_finite > 0)
+    text += fmt::format("{} numbers are not finite", row.non_finite);
+  else if (row.reference_size > 0)
+    text += fmt::format("{:.2g} of the field's size", relative_error(row));
+  else
+    text +=
+        fmt::format("{:.2g} {} where the reference is 0", row.largest_absolute, units(row.field));
+  if (!row.diagnosis.empty()) text.append("; ").append(row.diagnosis.front());
+  if (row.only_light_nodes > 0)
+    text += fmt::format(
+        "\nonly nodes lighter than {:.1g} m_p differ: a kernel in expanded form loses its digits "
+        "there",
+        row.only_light_nodes);
+  return text;
+}
 
 /// "steps 0 and 159 to 160": the scene's steps that were compared.
 std::string windows_text(const CheckReport& report) {
@@ -171,6 +211,7 @@ std::string to_table(const CheckReport& report, const TableStyle& style) {
                    stage_range(first.from, first.through), first.field ? ", " : "",
                    first.field ? name(*first.field) : "", first.message);
   }
+  if (const FieldCheck* row = largest_error(report)) out += headline(*row) + '\n';
   const std::string line = verdict_line(report);
   const std::size_t word = line.find(':');
   out += check::paint(line.substr(0, word), verdict_word(report), style) + line.substr(word) + '\n';

@@ -19,6 +19,11 @@ class Recorder {
   explicit Recorder(CheckReport& report) : report_(report) {}
 
   void set_step(std::int64_t step) { step_ = step; }
+  /// What the subject is given next, and Δt; both outlive the comparisons.
+  void set_input(const State& input, double dt) {
+    input_ = &input;
+    dt_ = dt;
+  }
   void step_done() { ++report_.steps; }
   Exercised& exercised() { return report_.exercised; }
   bool failed() const { return report_.first_divergence.has_value(); }
@@ -40,8 +45,12 @@ class Recorder {
   void finish();
 
  private:
+  void explain(FieldRow& row, const FieldComparison& comparison);
+
   CheckReport& report_;
   std::int64_t step_ = 0;
+  const State* input_ = nullptr;
+  double dt_ = 0;
   std::vector<FieldRow> rows_;
 };
 
