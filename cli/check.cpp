@@ -3,6 +3,7 @@
 
 #include "verification/check/check.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fmt/core.h>
 #include <unistd.h>
@@ -11,7 +12,9 @@
 #include "cli/progress.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "io/trajectory/point_frames.hpp"
 #include "verification/check/check_set.hpp"
+#include "verification/check/error_map.hpp"
 #include "verification/check/windows.hpp"
 #include "verification/studies/standard_set.hpp"
 
@@ -28,6 +31,7 @@ struct CheckArguments {
   double budget = 30;
   std::string mode = "lockstep";
   std::vector<std::string> require;
+  std::string dump;
   bool json = false, all = false;
 };
 
@@ -57,6 +61,13 @@ class CheckVerb {
       throw InputError("--budget", "seconds", fmt::format("{}", arguments.budget), "above 0");
     options_.mode = mode_from_name(arguments.mode);
     for (const std::string& key : arguments.require) requirement_of(key);
+    if (!arguments.dump.empty()) {
+      if (arguments.scene->name.empty())
+        throw InputError("--dump", "scene of the map", "none", "SCENE");
+      if (options_.mode != CheckMode::lockstep)
+        throw InputError("--dump", "mode", arguments.mode, "lockstep");
+      options_.error_map = &map_;
+    }
   }
 
   int run() {
@@ -70,6 +81,7 @@ class CheckVerb {
       report = check(subject);
     }
     report.command = command(arguments_.scene->name);
+    if (!map_.frames().empty()) write_map();
     fmt::print("{}\n", arguments_.json ? to_json(report) : to_table(report, style()));
     return status(report.valid(), report.interrupted, report.exercised);
   }
@@ -167,6 +179,32 @@ class CheckVerb {
     return run_check(subject.scene, subject.windows, *reference, *solver, options_);
   }
 
+  void write_map() const {
+    std::vector<PointFrame> frames;
+    for (const ErrorFrame& each : map_.frames()) {
+      PointFrame frame{each.time, each.point, {}};
+      PointArray id{"id", 1, {}}, node{"node", 3, {}}, worst{"worst", 1, {}};
+      for (const std::int64_t value : each.id) id.values.push_back(static_cast<float>(value));
+      for (const NodeIndex& n : each.node)
+        for (const std::int32_t index : {n.i, n.j, n.k})
+          node.values.push_back(static_cast<float>(index));
+      worst.values.resize(each.point.size());
+      frame.arrays = {id, node};
+      for (const ErrorColumn& column : each.columns) {
+        for (std::size_t k = 0; k < worst.values.size(); ++k)
+          worst.values[k] = std::max(worst.values[k], column.in_bounds[k]);
+        frame.arrays.push_back({column.name, 1, column.in_bounds});
+      }
+      frame.arrays.push_back(worst);
+      // A step in which the subject failed lacks the rows behind the failure.
+      if (frames.empty() || frame.arrays.size() == frames.front().arrays.size())
+        frames.push_back(std::move(frame));
+    }
+    write_point_frames(arguments_.dump, frames);
+    fmt::print(stderr, "firn: {}: errors of {} steps, in units of the bound\n", arguments_.dump,
+               frames.size());
+  }
+
   std::unique_ptr<Solver> make_reference(std::size_t particles) const {
     SolverOptions options;
     options.threads = arguments_.solver->settings(particles).threads;
@@ -224,6 +262,7 @@ class CheckVerb {
   const CheckArguments& arguments_;
   Context& context_;
   CheckOptions options_;
+  ErrorMap map_;
 };
 
 }  // namespace
@@ -256,6 +295,9 @@ void add_check(CLI::App& app, Context& context) {
                    "lockstep: each stage starts from the reference's input; free: each solver runs "
                    "on from its own results")
       ->capture_default_str();
+  verb->add_option("--dump", arguments->dump,
+                   "write the error of every particle and node, in units of its bound, to this "
+                   "file for ParaView (.vtkhdf) and for `firn report`");
   verb->add_flag("--all", arguments->all, "show every row of the table");
   verb->add_flag("--json", arguments->json, "print JSON");
   verb->callback([arguments, &context] { context.exit = CheckVerb(*arguments, context).run(); });

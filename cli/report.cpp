@@ -13,7 +13,7 @@ namespace firn::cli {
 namespace {
 
 struct ReportArguments {
-  std::string file, baseline, out, threshold;
+  std::string file, baseline, out, threshold, errors;
   bool readme_table = false;
   std::vector<std::string> checks;
 };
@@ -24,6 +24,7 @@ int run_report(const ReportArguments& arguments) {
                      "an HDF5 file of firn");
   std::vector<std::string> words = {"firn_reports", arguments.file, "-o", arguments.out};
   for (const std::string& check : arguments.checks) words.insert(words.end(), {"--check", check});
+  if (!arguments.errors.empty()) words.insert(words.end(), {"--errors", arguments.errors});
   if (!arguments.baseline.empty()) words.insert(words.end(), {"--baseline", arguments.baseline});
   if (!arguments.threshold.empty()) words.insert(words.end(), {"--threshold", arguments.threshold});
   if (arguments.readme_table) words.push_back("--readme-table");
@@ -48,6 +49,8 @@ void add_report(CLI::App& app, Context& context) {
                  "print a summary of the results as Markdown instead of making a page");
   verb->add_option("--check", arguments->checks,
                    "output of `firn check --json` to show on the page; may be repeated");
+  verb->add_option("--errors", arguments->errors,
+                   "what `firn check --dump` wrote: adds histograms and a map of the errors");
   verb->add_option("-o,--out", arguments->out, "folder for the page")->capture_default_str();
   verb->callback([arguments, &context] { context.exit = run_report(*arguments); });
 }

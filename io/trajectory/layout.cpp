@@ -9,6 +9,7 @@
 
 #include "firn/registry.hpp"
 #include "io/hdf5/write.hpp"
+#include "io/trajectory/vtkhdf_group.hpp"
 
 namespace firn {
 
@@ -80,32 +81,8 @@ void create_steps(hid_t file, std::int64_t particles, std::int64_t frames) {
 }
 
 void create_vtkhdf(hid_t file, Precision precision, const TrajectorySize& size) {
-  const std::string vtkhdf = "/VTKHDF";
-  hdf5::create_group(file, vtkhdf);
-  hdf5::Id group(hdf5::written(H5Gopen2(file, vtkhdf.c_str(), H5P_DEFAULT), vtkhdf), H5Gclose);
-
-  const std::array<std::int64_t, 2> version = {2, 0};
-  const hsize_t two = 2;
-  hdf5::Id pair(hdf5::written(H5Screate_simple(1, &two, nullptr), vtkhdf), H5Sclose);
-  hdf5::Id version_attribute(hdf5::written(H5Acreate2(group.get(), "Version", H5T_STD_I64LE,
-                                                      pair.get(), H5P_DEFAULT, H5P_DEFAULT),
-                                           vtkhdf),
-                             H5Aclose);
-  hdf5::written(H5Awrite(version_attribute.get(), H5T_NATIVE_INT64, version.data()), vtkhdf);
-
-  // VTK asks for an ASCII string of fixed length here.
-  const std::string type = "PolyData";
-  hdf5::Id text(hdf5::written(H5Tcopy(H5T_C_S1), vtkhdf), H5Tclose);
-  H5Tset_size(text.get(), type.size());
-  H5Tset_strpad(text.get(), H5T_STR_NULLPAD);
-  hdf5::Id scalar(hdf5::written(H5Screate(H5S_SCALAR), vtkhdf), H5Sclose);
-  hdf5::Id type_attribute(hdf5::written(H5Acreate2(group.get(), "Type", text.get(), scalar.get(),
-                                                   H5P_DEFAULT, H5P_DEFAULT),
-                                        vtkhdf),
-                          H5Aclose);
-  hdf5::written(H5Awrite(type_attribute.get(), text.get(), type.data()), vtkhdf);
-
-  hdf5::write_constant(file, vtkhdf + "/NumberOfPoints", {1}, std::array{size.particles});
+  create_vtkhdf_group(file);
+  hdf5::write_constant(file, "/VTKHDF/NumberOfPoints", {1}, std::array{size.particles});
   create_steps(file, size.particles, size.frames);
   create_cells(file, size.particles);
   create_particle_arrays(file, precision, size.particles * size.frames);

@@ -12,6 +12,7 @@ from . import (
     InputError,
     baseline,
     check,
+    error_map,
     page,
     readme_table,
     results,
@@ -53,6 +54,11 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         help="output of `firn check --json`; may be repeated",
     )
     parser.add_argument(
+        "--errors",
+        metavar="ERRORS.vtkhdf",
+        help="what `firn check --dump` wrote: histograms and a map of the errors",
+    )
+    parser.add_argument(
         "--baseline",
         metavar="OLD",
         help="results of an earlier run; exit 1 if a case became worse by more than --threshold",
@@ -91,6 +97,8 @@ def report(options: argparse.Namespace, command: str) -> int:
         for each in checks:
             check.require_same_trajectory(each, run.facts, run.scene_text, options.file)
         result, png = trajectory_page.build(run, checks, command)
+        if options.errors:
+            result.sections.insert(2 if checks else 1, errors_section(options, checks))
         path = page.write(result, options.output)
         (Path(options.output) / "snowball.png").write_bytes(png)
         print(path)
@@ -98,6 +106,13 @@ def report(options: argparse.Namespace, command: str) -> int:
     if kind == "firn-results":
         return report_results(options, checks, command)
     raise InputError(f"{options.file}: format: got {kind}, allowed: firn-trajectory, firn-results")
+
+
+def errors_section(options: argparse.Namespace, checks: list[check.Check]) -> page.Section:
+    """The map of errors, under the command of the check of this scene."""
+    of_scene = [each for each in checks if not each["of_a_set"]]
+    command = check.command(of_scene[0]) + " --dump " + options.errors if of_scene else ""
+    return error_map.section(error_map.read(options.errors), command)
 
 
 def report_results(options: argparse.Namespace, checks: list[check.Check], command: str) -> int:
@@ -115,6 +130,8 @@ def report_results(options: argparse.Namespace, checks: list[check.Check], comma
         check.require_same_results(each, new.sessions, new.subjects())
     if checks:
         result.sections.append(check.section(checks))
+    if options.errors:
+        result.sections.append(errors_section(options, checks))
     print(page.write(result, options.output))
     if failed:
         print("worse than the baseline, see the page: " + result.sentence, file=sys.stderr)

@@ -76,7 +76,7 @@ CheckReport run_check(const Scene& scene, const std::vector<CheckWindow>& window
   report.subject = subject.traits().name;
   report.precision = subject.traits().precision;
   report.mode = options.mode;
-  check::Recorder recorder(report);
+  check::Recorder recorder(report, options.error_map);
   for (const CheckWindow& window : windows) {
     report.particles = std::max(report.particles, window.start.particles.size());
     report.windows.push_back({window.start.step, 0});

@@ -25,6 +25,8 @@
 
 namespace firn {
 
+class ErrorMap;
+
 enum class CheckMode { lockstep, free_running };
 
 struct CheckOptions {
@@ -34,6 +36,7 @@ struct CheckOptions {
   /// Called after each step with the number done; false ends the check there
   /// (interrupted: the report covers the steps done).
   std::function<bool(std::int64_t done)> progress{};
+  ErrorMap* error_map = nullptr;  ///< filled, in lockstep (error_map.hpp)
 };
 
 /// The particle or node, and which of its numbers, with both values.

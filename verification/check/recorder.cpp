@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "verification/check/diagnosis.hpp"
+#include "verification/check/error_map.hpp"
 #include "verification/check/run.hpp"
 
 namespace firn::check {
@@ -30,19 +31,23 @@ void Recorder::compare(const FieldComparison& comparison, Stage from, Stage thro
   }
   const bool was_valid = row->check().valid;
   comparison.run(*row);
-  if (was_valid && !row->check().valid && input_ != nullptr) explain(*row, comparison);
+  const bool explain = was_valid && !row->check().valid;
+  if (input_ != nullptr && (explain || map_ != nullptr)) look_closer(*row, comparison, explain);
   if (!row->check().valid)
     diverged(
         from, through, field,
         (kept ? "changed by stages that do not write it: " : "") + describe(row->check().worst));
 }
 
-void Recorder::explain(FieldRow& row, const FieldComparison& comparison) {
+void Recorder::look_closer(FieldRow& row, const FieldComparison& comparison, bool explain) {
   const FieldCheck& check = row.check();
   FieldRow again(check.from, check.through, check.written_by, check.field, check.kept);
   std::vector<Place> places;
   again.record_into(&places);
   comparison.run(again);
+  if (map_ != nullptr && !check.kept)
+    map_->add(comparison.scene, *input_, comparison.reference, check, places);
+  if (!explain) return;
   const Evidence evidence{comparison.scene,
                           *input_,
                           comparison.reference,

@@ -16,7 +16,7 @@ namespace firn::check {
 /// the first divergence is the first one recorded.
 class Recorder {
  public:
-  explicit Recorder(CheckReport& report) : report_(report) {}
+  Recorder(CheckReport& report, ErrorMap* map) : report_(report), map_(map) {}
 
   void set_step(std::int64_t step) { step_ = step; }
   /// What the subject is given next, and Δt; both outlive the comparisons.
@@ -45,9 +45,11 @@ class Recorder {
   void finish();
 
  private:
-  void explain(FieldRow& row, const FieldComparison& comparison);
+  /// The numbers of one step in one row, once more one by one.
+  void look_closer(FieldRow& row, const FieldComparison& comparison, bool explain);
 
   CheckReport& report_;
+  ErrorMap* map_;
   std::int64_t step_ = 0;
   const State* input_ = nullptr;
   double dt_ = 0;

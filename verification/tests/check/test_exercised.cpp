@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 /// What a check says to have exercised, and the steps that it chooses.
 
+#include <algorithm>
 #include <gtest/gtest.h>
 #include <sstream>
 
@@ -8,6 +9,7 @@
 #include "firn/scene_hash.hpp"
 #include "io/scene/scene_file.hpp"
 #include "verification/check/check_set.hpp"
+#include "verification/check/error_map.hpp"
 #include "verification/check/windows.hpp"
 #include "verification/support/builtin_registry.hpp"
 #include "verification/support/snow_cases.hpp"
@@ -157,6 +159,32 @@ TEST(Windows, AWholeSceneIsLookedThrough) {
   EXPECT_TRUE(report.valid()) << to_table(report);
   for (const Requirement& requirement : requirements())
     EXPECT_EQ(met(requirement, report.exercised), met(requirement, plan.seen)) << requirement.key;
+}
+
+/// Errors of all particles and nodes in the stage that is wrong, none in the stages before it.
+TEST(ErrorMap, HasTheErrorsOfEveryPoint) {
+  const Scene scene = find_scene("tiny_impact");
+  ErrorMap map;
+  CheckOptions options{.steps = 2, .start_step = 150};
+  options.error_map = &map;
+  const CheckReport report = run_check(
+      scene, *make_reference(), *builtin_registry().create("mutant:force_sign", {}), options);
+  EXPECT_FALSE(report.valid());
+  ASSERT_EQ(map.frames().size(), 2u);
+  const ErrorFrame& frame = map.frames().front();
+  EXPECT_EQ(frame.step, 150);
+  EXPECT_EQ(std::count(frame.id.begin(), frame.id.end(), -1),
+            static_cast<std::ptrdiff_t>(frame.point.size()) - 527);
+  for (const ErrorColumn& column : frame.columns) {
+    ASSERT_EQ(column.in_bounds.size(), frame.point.size()) << column.name;
+    const auto wrong = std::count_if(column.in_bounds.begin(), column.in_bounds.end(),
+                                     [](float error) { return error > 1; });
+    if (column.name == "1_rasterize m_i") {
+      EXPECT_EQ(wrong, 0);
+    } else if (column.name == "3_grid_forces f_i") {
+      EXPECT_EQ(wrong, static_cast<std::ptrdiff_t>(frame.point.size()) - 527);
+    }
+  }
 }
 
 TEST(SceneHash, IsThatOfTheReports) {

@@ -55,6 +55,10 @@ const BadUsage bad_usages[] = {
     {"UnknownScene", {"run", "snowball_dorp"}, "snowball_drop"},
     {"MissingFile", {"run", "./missing.toml"}, "missing.toml"},
     {"FolderAsScene", {"run", "/tmp/"}, "/tmp/"},
+    {"RequireOfSomethingElse", {"check", "tiny_impact", "--require", "snow"}, "plastic, "},
+    {"DumpWithoutAScene", {"check", "--dump", "e.vtkhdf"}, "SCENE"},
+    {"NoBudget", {"check", "tiny_impact", "--budget", "0"}, "above 0"},
+    {"NegativeStartStep", {"check", "tiny_impact", "--start-step", "-2"}, "at least 0"},
     {"UnknownSolver", {"run", "tiny_impact", "--solver", "fast"}, "reference"},
     {"UnknownPrecision", {"run", "tiny_impact", "--precision", "half"}, "double or float"},
     {"ReferenceInFloat",
@@ -251,6 +255,47 @@ TEST(Cli, CheckOfTheOptimizedSolverIsValid) {
     EXPECT_EQ(outcome.status, 0) << outcome.out;
     EXPECT_TRUE(nlohmann::json::accept(outcome.out)) << outcome.out;
   }
+}
+
+/// A falling ball does not touch the ground: valid, and yet not what was asked for.
+TEST(Cli, WhatIsRequiredAndNotExercisedFails) {
+  const TemporaryFolder folder;
+  const Words words = {"check", "tiny_impact", "--start-step", "0", "--steps", "1"};
+  const Outcome valid = run_firn(words, folder.path());
+  EXPECT_EQ(valid.status, 0);
+  EXPECT_NE(valid.out.find("; not exercised: plastic flow, contact\n"), std::string::npos);
+  Words required = words;
+  required.insert(required.end(), {"--require", "volumes,contact"});
+  const Outcome lacking = run_firn(required, folder.path());
+  EXPECT_EQ(lacking.status, 1);
+  EXPECT_NE(lacking.err.find("--require contact"), std::string::npos) << lacking.err;
+  EXPECT_EQ(lacking.err.find("--require volumes"), std::string::npos) << lacking.err;
+}
+
+TEST(Cli, CheckWithoutASceneComparesTheStandardSet) {
+  const TemporaryFolder folder;
+  const auto set = nlohmann::json::parse(run_firn({"check", "--json"}, folder.path()).out);
+  EXPECT_EQ(set["schema"], "firn-check-set");
+  EXPECT_EQ(set["verdict"], "VALID");
+  EXPECT_TRUE(set["not_exercised"].empty());
+  for (const auto& check : set["checks"]) {
+    EXPECT_EQ(check["verdict"], "VALID") << check["scene"];
+    // Its command repeats it.
+    const std::string scene = check["scene"];
+    EXPECT_EQ(check["command"], "firn check " + scene + " --solver optimized --steps 10");
+    EXPECT_EQ(run_firn({"check", scene}, folder.path()).status, 0);
+  }
+  const Outcome wrong = run_firn({"check", "--solver", "mutant:force_sign"}, folder.path());
+  EXPECT_EQ(wrong.status, 1);
+  EXPECT_NE(wrong.out.find("subject = -1 × reference"), std::string::npos);
+}
+
+TEST(Cli, CheckDumpsWhereTheErrorsAre) {
+  const TemporaryFolder folder;
+  const Outcome dump =
+      run_firn({"check", "tiny_impact", "--steps", "2", "--dump", "errors.vtkhdf"}, folder.path());
+  EXPECT_EQ(dump.status, 0) << dump.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "errors.vtkhdf"));
 }
 
 TEST(Cli, ACommandThatFailsIsReportedAsTheGuests) {
