@@ -13,9 +13,13 @@ std::atomic<long> allocations{0};
 
 namespace {
 
-void* counted(std::size_t n, std::size_t alignment) {
+void* counted_or_null(std::size_t n, std::size_t alignment) {
   ++firn::test::allocations;
-  void* p = std::aligned_alloc(alignment, (n + alignment - 1) / alignment * alignment);
+  return std::aligned_alloc(alignment, (n + alignment - 1) / alignment * alignment);
+}
+
+void* counted(std::size_t n, std::size_t alignment) {
+  void* p = counted_or_null(n, alignment);
   if (p == nullptr) throw std::bad_alloc();
   return p;
 }
@@ -23,6 +27,10 @@ void* counted(std::size_t n, std::size_t alignment) {
 }  // namespace
 
 void* operator new(std::size_t n) { return counted(n, alignof(std::max_align_t)); }
+// std::stable_sort takes its buffer from this one and gives it to the plain delete.
+void* operator new(std::size_t n, const std::nothrow_t&) noexcept {
+  return counted_or_null(n, alignof(std::max_align_t));
+}
 void* operator new(std::size_t n, std::align_val_t a) {
   return counted(n, static_cast<std::size_t>(a));
 }
