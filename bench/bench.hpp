@@ -17,8 +17,10 @@ struct Options {
   std::string output = "results/bench.h5";
   bool quick = false;                ///< the cases marked quick only: under 3 minutes
   bool again = false;                ///< measure what the output has, too, in its place
+  bool force = false;                ///< replace an output that is no results file
   bool list = false;                 ///< name the cases and measure nothing
   std::vector<std::string> solvers;  ///< empty: all in the registry
+  std::vector<std::string> inputs;   ///< files that these read: `output` is none of them
   double time_limit = 60;            ///< for each answer of a guest [s]
   int max_threads = 0;               ///< 0: as many as the machine has
   std::uint64_t seed = 1;            ///< of everything that is drawn at random

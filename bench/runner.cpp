@@ -12,6 +12,7 @@
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "firn/error.hpp"
+#include "io/output_path.hpp"
 #include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
 
@@ -224,9 +225,10 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
           << plan.description.title << (plan.quick ? "  [quick]" : "") << "\n";
     return 0;
   }
+  require_no_input(options.output, options.inputs);
   results::Facts facts = results::machine_facts(options.seed, instruction_set());
   facts.emplace_back("cases_asked_for", static_cast<double>(chosen.size()));
-  results::ResultsFile file(options.output, facts, results::comparable_facts());
+  results::ResultsFile file(options.output, facts, results::comparable_facts(), options.force);
   const StopOnSignal stop;
   std::size_t number = 0, wrong = 0, measured = 0;
   double seconds = 0;

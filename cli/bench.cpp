@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 
+#include "cli/options.hpp"
 #include "cli/verbs.hpp"
 
 namespace firn::cli {
@@ -35,7 +36,10 @@ void add_bench(CLI::App& app, Context& context) {
                    "use at most this many threads (default: all processors)")
       ->check(CLI::PositiveNumber);
   verb->add_option("--seed", options->seed, "seed of all random numbers")->capture_default_str();
+  add_force_option(*verb, options->force);
   verb->callback([options, &context] {
+    for (const std::string& solver : options->solvers)
+      for (const std::string& file : files_of_solver(solver)) options->inputs.push_back(file);
     context.exit = bench::run(context.registry, *options, std::cout, std::cerr);
   });
 }

@@ -180,9 +180,9 @@ std::vector<Score> all_scores(const Registry& registry) {
   return scores;
 }
 
-void write(const std::string& path, const std::vector<Score>& scores) {
+void write(const std::string& path, const std::vector<Score>& scores, bool force) {
   results::ResultsFile file(path, results::machine_facts(0, instruction_set()),
-                            results::comparable_facts());
+                            results::comparable_facts(), force);
   std::vector<results::Mutant> rows;
   for (const Score& s : scores)
     rows.push_back({s.mutant->name, s.mutant->mistake, stage_of(*s.mutant), s.named, s.caught_by,
@@ -192,10 +192,11 @@ void write(const std::string& path, const std::vector<Score>& scores) {
 
 }  // namespace
 
-int run_mutation_score(const Registry& registry, const std::string& results, bool json) {
+int run_mutation_score(const Registry& registry, const std::string& results, bool json,
+                       bool force) {
   const std::string unmutated = first_failure(reference_name, "", registry);
   const std::vector<Score> scores = all_scores(registry);
-  if (!results.empty()) write(results, scores);
+  if (!results.empty()) write(results, scores, force);
   const auto count = [&](auto holds) { return std::count_if(scores.begin(), scores.end(), holds); };
   const auto caught = count([](const Score& s) { return !s.caught_by.empty(); });
   const auto by_properties = count([](const Score& s) { return !s.by_properties.empty(); });

@@ -2,6 +2,9 @@
 #include "cli/options.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <system_error>
 
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
@@ -64,6 +67,21 @@ SolverOptions SolverOption::settings(std::size_t particles) const {
 std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
                                              std::size_t particles) const {
   return registry.create(name, settings(particles));
+}
+
+void add_force_option(CLI::App& verb, bool& force) {
+  verb.add_flag("--force", force, "replace an existing output even if Firn did not write it");
+}
+
+std::vector<std::string> files_of_solver(const std::string& name) {
+  const std::string command = "exec:";
+  std::istringstream words(name.rfind(command, 0) == 0 ? name.substr(command.size()) : name);
+  std::vector<std::string> files;
+  std::error_code error;
+  for (std::string word; words >> word;)
+    if (std::filesystem::is_regular_file(word, error)) files.push_back(word);
+  if (std::filesystem::is_regular_file(name, error)) files.push_back(name);  // one with blanks
+  return files;
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <CLI/App.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "firn/registry.hpp"
 #include "firn/scene.hpp"
@@ -39,6 +40,12 @@ struct SolverOption {
   std::unique_ptr<Solver> create(const Registry& registry, std::size_t particles) const;
   SolverOptions settings(std::size_t particles) const;
 };
+
+/// --force, for verbs that write a file.
+void add_force_option(CLI::App& verb, bool& force);
+
+/// The files that a solver's name mentions: its library, what its command consists of.
+std::vector<std::string> files_of_solver(const std::string& name);
 
 /// --solver, --precision, --threads and --time-limit.
 std::shared_ptr<SolverOption> add_solver_option(CLI::App& verb, const Registry& registry,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "cli/options.hpp"
 #include "cli/python.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
@@ -14,7 +15,7 @@ namespace {
 
 struct ReportArguments {
   std::string file, baseline, out, threshold, errors;
-  bool readme_table = false;
+  bool readme_table = false, force = false;
   std::vector<std::string> checks;
 };
 
@@ -28,6 +29,7 @@ int run_report(const ReportArguments& arguments) {
   if (!arguments.baseline.empty()) words.insert(words.end(), {"--baseline", arguments.baseline});
   if (!arguments.threshold.empty()) words.insert(words.end(), {"--threshold", arguments.threshold});
   if (arguments.readme_table) words.push_back("--readme-table");
+  if (arguments.force) words.push_back("--force");
   return run_python_module(words);
 }
 
@@ -52,6 +54,7 @@ void add_report(CLI::App& app, Context& context) {
   verb->add_option("--errors", arguments->errors,
                    "what `firn check --dump` wrote: adds histograms and a map of the errors");
   verb->add_option("-o,--out", arguments->out, "folder for the page")->capture_default_str();
+  add_force_option(*verb, arguments->force);
   verb->callback([arguments, &context] { context.exit = run_report(*arguments); });
 }
 

@@ -23,7 +23,7 @@ struct RunArguments {
   std::string out, resume;
   std::optional<double> until, frames_per_second;
   std::optional<std::int64_t> steps, resume_frame;
-  bool json = false;
+  bool json = false, force = false;
 };
 
 /// -o, else the file resumed from, else NAME.vtkhdf in the current folder.
@@ -55,6 +55,8 @@ RunOptions run_options(const RunArguments& arguments, std::size_t particles, Con
   options.frames_per_second = arguments.frames_per_second;
   options.resume = arguments.resume;
   options.resume_frame = arguments.resume_frame;
+  options.inputs = files_of_solver(arguments.solver->name);
+  options.force = arguments.force;
   options.threads = arguments.solver->settings(particles).threads;
   options.processor = processor_name();
   options.stop = &context.stop;
@@ -183,6 +185,7 @@ void add_run(CLI::App& app, Context& context) {
                    "uninterrupted run bit for bit");
   verb->add_option("--resume-frame", arguments->resume_frame,
                    "continue from this frame instead of the last, counted from 0");
+  add_force_option(*verb, arguments->force);
   verb->add_flag("--json", arguments->json, "print the summary as JSON");
   verb->callback([arguments, &context] { context.exit = run_run(*arguments, context); });
 }

@@ -15,6 +15,7 @@
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
+#include "io/output_path.hpp"
 #include "teach/exercises.hpp"
 #include "teach/lesson_json.hpp"
 #include "verification/check/check.hpp"
@@ -29,6 +30,7 @@ struct TeachArguments {
   std::string out = "lesson";
   std::optional<std::int64_t> step, particle;
   std::string node;
+  bool force = false;
 };
 
 /// All of a step goes into a page's data: more particles than a reader could look at.
@@ -100,6 +102,9 @@ std::string web_module() {
 
 int run_teach(const TeachArguments& arguments, Context& context) {
   const Scene scene = arguments.scene->read();
+  const std::filesystem::path folder = arguments.out, data = folder / "lesson.json";
+  require_no_input(data, scene.files);
+  require_replaceable(data, OutputKind::lesson, arguments.force);
   const std::size_t particles = sample_bodies(scene).size();
   if (particles > most_particles)
     throw InputError(arguments.scene->name, "number of particles", std::to_string(particles),
@@ -118,16 +123,20 @@ int run_teach(const TeachArguments& arguments, Context& context) {
   json["checks"] = checks(lesson, context.registry);
   json["exercises"] = exercises_json();
 
-  const std::filesystem::path folder = arguments.out;
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
     throw InputError(folder.string(), "folder for the pages", error.message(),
                      "a folder that can be made");
-  const std::filesystem::path data = folder / "lesson.json";
+  const bool is_new = !std::filesystem::exists(data, error);
   write_text(data, json.dump());
-  return run_python_module(
-      {"firn_teach", data.string(), "-o", folder.string(), "--web-module", web_module()});
+  std::vector<std::string> words = {"firn_teach",    data.string(),  "-o",
+                                    folder.string(), "--web-module", web_module()};
+  for (const std::string& file : scene.files) words.insert(words.end(), {"--input", file});
+  if (arguments.force) words.push_back("--force");
+  const int status = run_python_module(words);
+  if (status == exit_bad_input && is_new) std::filesystem::remove(data, error);
+  return status;
 }
 
 }  // namespace
@@ -145,6 +154,7 @@ void add_teach(CLI::App& app, Context& context) {
                    "the step to show, counted from 0; default: one with contact and yielding");
   verb->add_option("--particle", arguments->particle, "id of the particle to follow");
   verb->add_option("--node", arguments->node, "node i,j,k to follow");
+  add_force_option(*verb, arguments->force);
   verb->callback([arguments, &context] { context.exit = run_teach(*arguments, context); });
 }
 

@@ -14,6 +14,7 @@
 #include "cli/options.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "io/output_path.hpp"
 #include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
 #include "solvers/solvers.hpp"
@@ -29,7 +30,7 @@ struct Arguments {
   std::shared_ptr<SolverOption> solver;
   suite::RunOptions run;
   std::string results, svd;
-  bool json = false, list = false, mutants = false;
+  bool json = false, list = false, mutants = false, force = false;
 };
 
 suite::Subject subject_of(const SolverOption& option, const Registry& registry) {
@@ -56,9 +57,9 @@ results::Quantity to_quantity(const suite::Observation::Quantity& q) {
   return {q.name, q.units, q.meaning, results::Quantity::Better::neither, {q.value}, false};
 }
 
-void write_results(const std::string& path, const suite::Verdict& verdict) {
+void write_results(const std::string& path, const suite::Verdict& verdict, bool force) {
   results::ResultsFile file(path, results::machine_facts(0, instruction_set()),
-                            results::comparable_facts());
+                            results::comparable_facts(), force);
   std::vector<results::Check> checks;
   for (const suite::Row& row : suite::rows())
     checks.push_back({row.topic, row.test + ": " + row.what, row.largest,
@@ -84,24 +85,39 @@ void write_results(const std::string& path, const suite::Verdict& verdict) {
                verdict.valid() ? "VALID" : "INVALID");
 }
 
+/// Before hours of tests, not after them.
+void require_safe_outputs(const Arguments& arguments) {
+  std::vector<std::string> inputs = files_of_solver(arguments.solver->name);
+  if (!arguments.svd.empty()) inputs.push_back(arguments.svd);
+  const std::pair<std::string, OutputKind> outputs[] = {{arguments.results, OutputKind::results},
+                                                        {arguments.run.junit, OutputKind::junit}};
+  for (const auto& [path, kind] : outputs) {
+    if (path.empty()) continue;
+    require_no_input(path, inputs);
+    require_replaceable(path, kind, arguments.force);
+  }
+}
+
 int verify(const Arguments& arguments, const Registry& registry) {
   if (arguments.list) {
     for (const std::string& name : suite::test_names()) fmt::print("{}\n", name);
     return exit_done;
   }
+  require_safe_outputs(arguments);
   if (!arguments.svd.empty()) {
     const suite::SvdReport report =
         suite::verify_svd_library(arguments.svd, arguments.solver->time_limit);
     fmt::print("{}", report.table);
     return report.valid ? exit_done : exit_failed;
   }
-  if (arguments.mutants) return run_mutation_score(registry, arguments.results, arguments.json);
+  if (arguments.mutants)
+    return run_mutation_score(registry, arguments.results, arguments.json, arguments.force);
   suite::set_subject(subject_of(*arguments.solver, registry));
   const suite::Verdict verdict = suite::run(arguments.run);
   if (verdict.tests.empty())
     throw InputError("--filter", "no test of that name", arguments.run.filter,
                      "patterns like Conservation.* (see --list)");
-  if (!arguments.results.empty()) write_results(arguments.results, verdict);
+  if (!arguments.results.empty()) write_results(arguments.results, verdict, arguments.force);
   fmt::print("{}\n", arguments.json ? suite::to_json(verdict) : suite::to_table(verdict));
   return verdict.valid() ? exit_done : exit_failed;
 }
@@ -133,6 +149,7 @@ int run_program(int argc, char** argv) {
   app.add_flag("--list", arguments.list, "list the tests without running them");
   app.add_option("--junit", arguments.run.junit, "write JUnit XML to this file");
   app.add_option("-o,--out", arguments.results, "add the verdict to this results file (HDF5)");
+  add_force_option(app, arguments.force);
   app.add_flag("--json", arguments.json, "print JSON");
   app.add_flag("--mutants", arguments.mutants,
                "run the suite on every deliberately wrong solver and report what catches it");

@@ -68,7 +68,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Body> bodies;
   std::vector<Collider> colliders;
-  std::string toml;  ///< resolved text, as trajectories store it
+  std::string toml;                ///< resolved text, as trajectories store it
+  std::vector<std::string> files;  ///< that it was read from: the scene file, meshes, level sets, …
 
   bool semi_implicit() const { return integrator.type == IntegratorType::semi_implicit; }
 

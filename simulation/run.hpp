@@ -28,6 +28,7 @@ class Run {
   RunResult operator()();
 
  private:
+  void require_safe_output() const;
   void start();
   void load_resumed(const Resume& resume);
   void open_output(const Resume* resume);

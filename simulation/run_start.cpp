@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <system_error>
 
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
 #include "io/output_error.hpp"
+#include "io/output_path.hpp"
 #include "io/trajectory/layout.hpp"
 #include "simulation/run.hpp"
 
@@ -33,8 +35,22 @@ FrameSchedule schedule_of(const Scene& scene, const RunOptions& options) {
   return FrameSchedule(end, options.steps, rate);
 }
 
+/// The file resumed from may be continued in its place, unless the scene reads it, too.
+void Run::require_safe_output() const {
+  std::vector<std::string> inputs = options_.inputs;
+  inputs.insert(inputs.end(), scene_.files.begin(), scene_.files.end());
+  require_no_input(options_.output, inputs);
+  if (!options_.resume.empty()) {
+    std::error_code error;
+    if (std::filesystem::equivalent(options_.output, options_.resume, error)) return;
+    require_no_input(options_.output, {options_.resume.string()});
+  }
+  require_replaceable(options_.output, OutputKind::trajectory, options_.force);
+}
+
 /// Everything that may refuse the input comes before the first byte of output.
 void Run::start() {
+  if (!options_.output.empty()) require_safe_output();
   std::optional<Resume> resume;
   if (options_.resume.empty()) {
     last_good_.state = initial_state(scene_);

@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "firn/scene.hpp"
 #include "firn/solver.hpp"
@@ -61,6 +62,11 @@ struct RunOptions {
   std::filesystem::path resume;
   std::optional<std::int64_t> resume_frame;
 
+  /// Files that this run reads beside Scene::files and `resume`, such as a solver's library:
+  /// `output` must be none of them.
+  std::vector<std::string> inputs;
+  bool force = false;  ///< replace an existing `output` even if it is no trajectory of ours
+
   int threads = 1;        ///< for the file's attribute
   std::string processor;  ///< likewise
 
@@ -100,12 +106,12 @@ struct RunResult {
 /// Δt reached: n+1 roundings of relative size eps = 2⁻⁵², so that 10⁴ steps of
 /// 1e-4 s end at 1 s and not one step later.
 ///
-/// Throws InputError, before anything is computed or written, if the solver does
-/// not support the scene, the file cannot be created or resumed from, or the
-/// disk has no room. A SimulationError, non-finite diagnostics or a disk error
-/// later ends the run as `failed` with the last good state written. Scenes that
-/// are semi-implicit and adaptive try a failed step again with half the Δt, at
-/// most 10 times.
+/// Throws InputError, before anything is computed or written, if the output is one of
+/// the run's inputs or a foreign file, the solver does not support the scene, the file
+/// cannot be created or resumed from, or the disk has no room. A SimulationError, non-finite
+/// diagnostics or a disk error later ends the run as `failed` with the last good state written.
+/// Scenes that are semi-implicit and adaptive try a failed step again with half the Δt, at most 10
+/// times.
 RunResult simulate(const Scene& scene, Solver& solver, const RunOptions& options);
 
 }  // namespace firn

@@ -11,6 +11,7 @@
 #include "firn/error.hpp"
 #include "io/hdf5/read.hpp"
 #include "io/hdf5/write.hpp"
+#include "io/output_path.hpp"
 
 namespace firn::results {
 
@@ -141,15 +142,18 @@ int join(const std::string& path, const Facts& machine,
 }  // namespace
 
 ResultsFile::ResultsFile(std::string path, const Facts& machine,
-                         const std::vector<std::string>& comparable)
+                         const std::vector<std::string>& comparable, bool force)
     : path_(std::move(path)) {
   const bool exists = fs::exists(path_);
-  if (exists)
+  if (exists) require_replaceable(path_, OutputKind::results, force);
+  const bool joins =
+      exists && !(force && fs::is_regular_file(path_) && !is_ours(path_, OutputKind::results));
+  if (joins)
     session_ = join(path_, machine, comparable);
-  else if (fs::path(path_).has_parent_path())
+  else if (!exists && fs::path(path_).has_parent_path())
     fs::create_directories(fs::path(path_).parent_path());
-  rewrite([&](hid_t file) {
-    if (!exists) {
+  rewrite(joins, [&](hid_t file) {
+    if (!joins) {
       const Group root(file, "/");
       root.write("format", "firn-results");
       root.write("version", schema_version);
@@ -162,9 +166,9 @@ ResultsFile::ResultsFile(std::string path, const Facts& machine,
 }
 
 template <class Write>
-void ResultsFile::rewrite(const Write& write) {
+void ResultsFile::rewrite(bool keep, const Write& write) {
   const std::string next = path_ + ".part";
-  if (fs::exists(path_))
+  if (keep && fs::exists(path_))
     fs::copy_file(path_, next, fs::copy_options::overwrite_existing);
   else
     fs::remove(next);
@@ -182,12 +186,12 @@ bool ResultsFile::has(const std::string& suite, const std::string& name) const {
 }
 
 void ResultsFile::append(const Case& result) {
-  rewrite([&](hid_t file) { write_case(file, result, session_); });
+  rewrite(true, [&](hid_t file) { write_case(file, result, session_); });
 }
 
 void ResultsFile::append_verification(const std::string& subject, const std::string& command,
                                       const std::vector<Check>& checks) {
-  rewrite([&](hid_t file) {
+  rewrite(true, [&](hid_t file) {
     const Group group = replace_group(file, "verify/" + link_name(subject));
     bool valid = !checks.empty();
     std::vector<std::string> topic, check_name, verdict, commands;
@@ -212,7 +216,7 @@ void ResultsFile::append_verification(const std::string& subject, const std::str
 }
 
 void ResultsFile::append_mutants(const std::string& command, const std::vector<Mutant>& mutants) {
-  rewrite([&](hid_t file) {
+  rewrite(true, [&](hid_t file) {
     const Group group = replace_group(file, "mutants");
     group.write("command", command);
     std::vector<std::string> mutant, patch, stage, named, by;

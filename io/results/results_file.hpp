@@ -15,8 +15,10 @@ class ResultsFile {
  public:
   /// Opens `path`, or creates it. `machine` states processor, compiler, commit and
   /// so on; an existing file must agree in `comparable` facts (by name), else
-  /// InputError: figures of two builds or two machines do not belong in one file.
-  ResultsFile(std::string path, const Facts& machine, const std::vector<std::string>& comparable);
+  /// InputError: figures of two builds or two machines do not belong in one file. So is an
+  /// existing file of another kind, unless `force`, which replaces it.
+  ResultsFile(std::string path, const Facts& machine, const std::vector<std::string>& comparable,
+              bool force = false);
 
   /// True if the file has this case with a status that need not be measured again
   /// (`measured` or `invalid`).
@@ -36,8 +38,9 @@ class ResultsFile {
   const std::string& path() const { return path_; }
 
  private:
+  /// `keep`: what the file holds; else it starts empty.
   template <class Write>
-  void rewrite(const Write& write);
+  void rewrite(bool keep, const Write& write);
 
   std::string path_;
   int session_ = 0;  ///< /sessions/N: this process

@@ -21,6 +21,7 @@ struct SceneContext {
   const Scene& scene;  ///< grid and materials are read
   const std::filesystem::path& base_dir;
   const SceneOptions& options;
+  std::vector<std::string>& files;  ///< read so far: Scene::files
 };
 
 Body read_body(const TomlTable& table, const SceneContext& context);

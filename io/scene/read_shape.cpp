@@ -102,6 +102,7 @@ std::string shape_file(const TomlTable& shape, const SceneContext& context) {
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) shape.refuse("file", "no such file", "a readable file");
   if (std::filesystem::is_directory(status)) shape.refuse("file", "a directory", "a readable file");
+  context.files.push_back(path);
   return path;
 }
 

@@ -130,11 +130,13 @@ Scene parse_scene(std::string_view text, const std::string& file_name,
   scene.flip = transfer.number("flip", closed(0, 1));
   scene.materials = read_materials(root.tables("material"));
   if (scene.materials.empty()) root.refuse("material", "missing", "at least one [[material]]");
-  const SceneContext context = {scene, base_dir, options};
+  std::vector<std::string> files;
+  const SceneContext context = {scene, base_dir, options, files};
   read_bodies(root, context, scene);
   for (const TomlTable& table : root.tables("collider"))
     scene.colliders.push_back(read_collider(table, context));
   scene.toml = resolved_toml(scene);
+  scene.files = std::move(files);
   return scene;
 }
 
@@ -155,7 +157,9 @@ Scene read_scene_file(const std::filesystem::path& path, const SceneOptions& opt
   if (text.size() > longest_file)
     throw InputError(name, "too long", "more than " + std::to_string(longest_file) + " bytes",
                      "a scene file (TOML) of at most " + std::to_string(longest_file) + " bytes");
-  return parse_scene(text, path.string(), path.parent_path(), options);
+  Scene scene = parse_scene(text, path.string(), path.parent_path(), options);
+  scene.files.push_back(path.string());
+  return scene;
 }
 
 }  // namespace firn

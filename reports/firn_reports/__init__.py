@@ -10,13 +10,13 @@ accuracy*.py, implicit.py, limits.py, float_accuracy.py, roofline.py, *_figures.
 baseline.py, highlights.py  what became faster or slower, and what deserves a look
 readme_table.py             the summary as Markdown
 style.py, drawing.py        how figures look
-page.py                     what a page is made of
+page.py, output.py          what a page is made of; where it may be written
 json_file.py, kinds.py      reading JSON; names of types
 """
 
 # What firn_teach builds on; every other module serves the report alone. The test
 # layering.includes_follow_the_arrows reads this list.
-__all__ = ["InputError", "json_file", "kinds", "page", "style"]
+__all__ = ["InputError", "json_file", "kinds", "output", "page", "style"]
 
 
 class InputError(Exception):

@@ -76,6 +76,11 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         help="print a summary of the results as Markdown instead of making a page",
     )
     parser.add_argument(
+        "--force",
+        action="store_true",
+        help="replace existing files even if Firn did not write them",
+    )
+    parser.add_argument(
         "-o",
         "--output",
         default="report",
@@ -83,6 +88,12 @@ def parse(arguments: list[str]) -> argparse.Namespace:
         help="folder for the page (default: report)",
     )
     return parser.parse_args(arguments)
+
+
+def inputs(options: argparse.Namespace) -> list[str]:
+    """Every file that is read."""
+    others = [path for path in (options.baseline, options.errors) if path]
+    return [options.file, *options.check, *others]
 
 
 def report(options: argparse.Namespace, command: str) -> int:
@@ -99,9 +110,8 @@ def report(options: argparse.Namespace, command: str) -> int:
         result, png = trajectory_page.build(run, checks, command)
         if options.errors:
             result.sections.insert(2 if checks else 1, errors_section(options, checks))
-        path = page.write(result, options.output)
-        (Path(options.output) / "snowball.png").write_bytes(png)
-        print(path)
+        pictures = {"snowball.png": png}
+        print(page.write(result, options.output, pictures, inputs(options), options.force))
         return 0
     if kind == "firn-results":
         return report_results(options, checks, command)
@@ -132,7 +142,7 @@ def report_results(options: argparse.Namespace, checks: list[check.Check], comma
         result.sections.append(check.section(checks))
     if options.errors:
         result.sections.append(errors_section(options, checks))
-    print(page.write(result, options.output))
+    print(page.write(result, options.output, None, inputs(options), options.force))
     if failed:
         print("worse than the baseline, see the page: " + result.sentence, file=sys.stderr)
     return 1 if failed else 0

@@ -5,12 +5,15 @@ import base64
 import csv
 import io
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import jinja2
+
+from . import output
 
 
 @dataclass
@@ -166,15 +169,28 @@ def style_sheet() -> str:
     return resources.files("firn_reports").joinpath("templates/page.css").read_text("utf-8")
 
 
-def write(page: Page, directory: str | Path) -> Path:
-    """DIR/index.html, one file; the CSV of every table also stands beside it."""
-    directory = Path(directory)
-    directory.mkdir(parents=True, exist_ok=True)
+def write(
+    page: Page,
+    directory: str | Path,
+    pictures: dict[str, bytes] | None = None,
+    inputs: Sequence[str | Path] = (),
+    force: bool = False,
+) -> Path:
+    """DIR/index.html, one file; pictures and the CSV of every table also stand beside it.
+
+    Raises InputError if one of these is one of the inputs, or a file of others (see `force`).
+    """
+    directory, pictures = Path(directory), pictures or {}
     page.sections = [section for section in page.sections if not section.empty()]
     template = environment("firn_reports").get_template("page.html.jinja")
     html = template.render(page=page, css=style_sheet())
-    (directory / "index.html").write_text(html, encoding="utf-8")
     tables = [table for section in page.sections for table in section.tables]
+    names = ["index.html", *pictures, *(f"csv/{table.name}.csv" for table in tables)]
+    output.require_free(directory, names, inputs, force)
+    directory.mkdir(parents=True, exist_ok=True)
+    (directory / "index.html").write_text(html, encoding="utf-8")
+    for name, picture in pictures.items():
+        (directory / name).write_bytes(picture)
     if tables:
         (directory / "csv").mkdir(exist_ok=True)
     for table in tables:

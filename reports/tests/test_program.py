@@ -35,3 +35,35 @@ def test_threshold_decides_the_exit_status(tmp_path, threshold, status):
     new = synthetic.write_results(tmp_path / "new.h5", slow={PLASTIC: 1.5})
     answer = firn(new, "--baseline", old, "--threshold", threshold, folder=tmp_path)
     assert answer.returncode == status, answer.stderr
+
+
+def refused(answer, says):
+    """Exit 2 and one line."""
+    assert answer.returncode == 2, answer.stderr
+    assert answer.stderr.count("\n") == 1, answer.stderr
+    assert says in answer.stderr
+
+
+def test_a_page_replaces_only_pages(tmp_path, check_file):
+    results = synthetic.write_results(tmp_path / "new.h5")
+    for _ in range(2):
+        assert firn(results, "-o", "page", folder=tmp_path).returncode == 0
+    for name in ("index.html", "csv/cases.csv"):
+        folder = tmp_path / name.replace("/", "-")
+        (folder / name).parent.mkdir(parents=True)
+        (folder / name).write_text("mine")
+        refused(firn(results, "-o", folder, folder=tmp_path), "--force")
+        assert [path.name for path in folder.rglob("*") if path.is_file()] == [name.split("/")[-1]]
+        assert (folder / name).read_text() == "mine"
+        assert firn(results, "-o", folder, "--force", folder=tmp_path).returncode == 0
+        assert (folder / name).read_text() != "mine"
+
+
+def test_a_page_never_replaces_an_input(tmp_path, check_file):
+    results = synthetic.write_results(tmp_path / "new.h5")
+    (tmp_path / "page").mkdir()
+    check = check_file("VALID")
+    (tmp_path / "page" / "index.html").symlink_to(check)
+    before = check.read_text()
+    refused(firn(results, "--check", check, "-o", "page", "--force", folder=tmp_path), "an input")
+    assert check.read_text() == before

@@ -24,9 +24,23 @@ def main(arguments: list[str] | None = None) -> int:
         metavar="JS",
         help="the reference as WebAssembly, web/firn_web.js of a build with Emscripten",
     )
+    parser.add_argument(
+        "--input",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a file that the lesson was made from: no page takes its place",
+    )
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="replace existing files even if Firn did not write them",
+    )
     options = parser.parse_args(arguments)
     try:
-        print(pages.write(lesson.read(options.lesson), options.output, options.web_module))
+        made = lesson.read(options.lesson)
+        inputs = [options.lesson, *options.input]
+        print(pages.write(made, options.output, options.web_module, inputs, options.force))
         return 0
     except (InputError, OSError) as error:
         print(f"firn teach: {error}", file=sys.stderr)

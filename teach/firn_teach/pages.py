@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which page has what, and writing them: each is one HTML file that needs nothing else."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import resources
 from pathlib import Path
 
 import jinja2
 
-from firn_reports import page as reports
+from firn_reports import output, page as reports
 from firn_reports.kinds import Json
 
 from . import STAGES, by_hand, exercises, interactive, measured, pictures, source
@@ -117,9 +117,19 @@ def environment() -> jinja2.Environment:
     return result
 
 
-def write(lesson: Lesson, directory: str | Path, web_module: str = "") -> Path:
-    """All pages into the folder; returns the path of the first."""
+def write(
+    lesson: Lesson,
+    directory: str | Path,
+    web_module: str = "",
+    inputs: Sequence[str | Path] = (),
+    force: bool = False,
+) -> Path:
+    """All pages into the folder; returns the path of the first.
+
+    Raises InputError if one of them is one of the inputs, or a file of others (see `force`).
+    """
     directory, env, pages = Path(directory), environment(), chapters()
+    output.require_free(directory, ["index.html", *(p.name for p in pages)], inputs, force)
     directory.mkdir(parents=True, exist_ok=True)
     firn = lesson.data["firn"]
     env.globals |= {
