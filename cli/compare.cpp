@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
@@ -17,6 +18,7 @@ namespace {
 struct CompareArguments {
   std::string a, b;
   double tolerance = 0;
+  std::optional<double> time_tolerance;
   bool json = false;
 };
 
@@ -75,6 +77,7 @@ void print_json(const TrajectoryComparison& c, bool passed) {
                                    {"frames_a", c.frames_a},
                                    {"frames_b", c.frames_b},
                                    {"frames_matched", c.frames_matched},
+                                   {"max_time_difference", number(c.max_time_difference)},
                                    {"only_in_a", numbers(c.only_in_a)},
                                    {"only_in_b", numbers(c.only_in_b)}};
   for (const ParticleMismatch& m : c.particle_mismatches)
@@ -87,6 +90,8 @@ void print_json(const TrajectoryComparison& c, bool passed) {
 void print_table(const CompareArguments& arguments, const TrajectoryComparison& c, bool passed) {
   fmt::print("A {}: {} frames\nB {}: {} frames; {} matched by time\n", arguments.a, c.frames_a,
              arguments.b, c.frames_b, c.frames_matched);
+  if (!c.times_identical)
+    fmt::print("times of matched frames differ by up to {:.3g} s\n", c.max_time_difference);
   if (!c.only_in_a.empty()) fmt::print("only in A: t = {} s\n", values_text(c.only_in_a));
   if (!c.only_in_b.empty()) fmt::print("only in B: t = {} s\n", values_text(c.only_in_b));
   for (const ParticleMismatch& m : c.particle_mismatches)
@@ -115,7 +120,12 @@ int run_compare(const CompareArguments& arguments) {
   if (!(arguments.tolerance >= 0 && arguments.tolerance < 1e300))
     throw InputError("--tolerance", "relative difference allowed", to_text(arguments.tolerance),
                      "finite, at least 0");
-  const TrajectoryComparison comparison = compare_trajectories(arguments.a, arguments.b);
+  CompareOptions options;
+  options.time_tolerance = arguments.time_tolerance;
+  if (options.time_tolerance && !(*options.time_tolerance >= 0 && *options.time_tolerance < 1e300))
+    throw InputError("--time-tolerance", "difference in s", to_text(*options.time_tolerance),
+                     "finite, at least 0");
+  const TrajectoryComparison comparison = compare_trajectories(arguments.a, arguments.b, options);
   const bool passed = passes(comparison, arguments.tolerance);
   if (arguments.json)
     print_json(comparison, passed);
@@ -135,6 +145,9 @@ void add_compare(CLI::App& app, Context& context) {
   verb->add_option("--tolerance", arguments->tolerance,
                    "largest relative difference that still passes; 0: every bit must be the same")
       ->capture_default_str();
+  verb->add_option("--time-tolerance", arguments->time_tolerance,
+                   "frames belong together if their times differ by at most this [s]; default: "
+                   "rounding, also that of times kept in 32 bits");
   verb->add_flag("--json", arguments->json, "print JSON");
   verb->callback([arguments, &context] { context.exit = run_compare(*arguments); });
 }

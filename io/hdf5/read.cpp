@@ -7,6 +7,7 @@
 
 #include "firn/error.hpp"
 #include "io/hdf5/reading.hpp"
+#include "io/one_line.hpp"
 
 namespace firn::hdf5 {
 
@@ -37,6 +38,47 @@ const char* name(H5T_class_t type_class) {
     case H5T_STRING: return "string";
     default: return "another type";
   }
+}
+
+/// Filters that are registered with The HDF Group and often met.
+const char* registered_name(H5Z_filter_t filter) {
+  switch (filter) {
+    case H5Z_FILTER_DEFLATE: return "gzip";
+    case H5Z_FILTER_SZIP: return "szip";
+    case 305: return "LZO";
+    case 307: return "bzip2";
+    case 32000: return "LZF";
+    case 32001: return "Blosc";
+    case 32004: return "LZ4";
+    case 32008: return "bitshuffle";
+    case 32013: return "ZFP";
+    case 32015: return "Zstandard";
+    case 32017: return "SZ";
+    case 32026: return "Blosc2";
+    default: return nullptr;
+  }
+}
+
+/// Why a dataset could not be read, if that is a filter that this machine does not have;
+/// otherwise empty.
+std::string missing_filter(hid_t dataset) {
+  const Id properties(H5Dget_create_plist(dataset), H5Pclose);
+  const int count = H5Pget_nfilters(properties.get());
+  for (int i = 0; i < count; ++i) {
+    unsigned flags = 0, config = 0;
+    std::size_t values = 0;
+    char stored_name[64] = "";
+    const H5Z_filter_t filter =
+        H5Pget_filter2(properties.get(), static_cast<unsigned>(i), &flags, &values, nullptr,
+                       sizeof stored_name - 1, stored_name, &config);
+    if (filter < 0 || H5Zfilter_avail(filter) > 0) continue;
+    const char* known = registered_name(filter);
+    const std::string called = known != nullptr ? known : one_line(stored_name, 60);
+    return "it is compressed with filter " + std::to_string(filter) +
+           (called.empty() ? "" : " (" + called + ")") +
+           ", for which HDF5 finds no plugin here (HDF5_PLUGIN_PATH); gzip is always there";
+  }
+  return "";
 }
 
 }  // namespace
@@ -91,21 +133,38 @@ std::vector<std::string> InputFile::children(const std::string& group) const {
   return names;
 }
 
-/// Deflate packs at most 1032 : 1, so a larger claim is a lie, or data never written.
-void InputFile::require_honest_size(const InputDataset& dataset, double bytes) const {
-  Id properties(H5Dget_create_plist(dataset.id_.get()), H5Pclose);
-  const H5D_layout_t layout = H5Pget_layout(properties.get());
-  if (layout == H5D_VIRTUAL || H5Pget_external_count(properties.get()) > 0)
-    throw InputError(dataset.where(), "location of its values", "another file", "this file");
-  const double packing = layout == H5D_CHUNKED ? 1032 : 1;
+/// Deflate packs at most 1032 : 1.
+constexpr double best_packing = 1032;
+
+/// So few bytes do no harm, stored or not.
+constexpr double harmless_bytes = 65536;
+
+/// Whether the bytes stored for the dataset itself can hold all its values.
+bool InputFile::is_stored(const InputDataset& dataset, double bytes) const {
+  const Id properties(H5Dget_create_plist(dataset.id_.get()), H5Pclose);
+  const double packing = H5Pget_layout(properties.get()) == H5D_CHUNKED ? best_packing : 1;
   const double stored = static_cast<double>(H5Dget_storage_size(dataset.id_.get()));
-  if (bytes > packing * std::min(stored, file_bytes_))
-    throw InputError(
-        dataset.where(), "size of the dataset", to_text(bytes) + " bytes",
-        "what the " + to_text(std::min(stored, file_bytes_)) + " bytes stored for it can hold");
+  return bytes <= packing * std::min(stored, file_bytes_);
 }
 
-InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t components) const {
+/// A claim that nothing stands behind is refused before anybody makes room for it. Values that
+/// were never written are honest: HDF5 fills them in. But their number must be that of an array
+/// that is there, and the file large enough to hold them packed.
+void InputFile::require_honest_size(const InputDataset& dataset, double bytes,
+                                    std::int64_t stored_rows) const {
+  const Id properties(H5Dget_create_plist(dataset.id_.get()), H5Pclose);
+  if (H5Pget_layout(properties.get()) == H5D_VIRTUAL || H5Pget_external_count(properties.get()) > 0)
+    throw InputError(dataset.where(), "location of its values", "another file", "this file");
+  if (bytes <= harmless_bytes || is_stored(dataset, bytes)) return;
+  if (dataset.rows() <= stored_rows && bytes <= best_packing * file_bytes_) return;
+  throw InputError(dataset.where(), "size of the dataset", to_text(bytes) + " bytes",
+                   "what the " +
+                       to_text(static_cast<double>(H5Dget_storage_size(dataset.id_.get()))) +
+                       " bytes stored for it can hold");
+}
+
+InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t components,
+                                std::int64_t stored_rows) const {
   const Reading reading(path_);
   InputDataset dataset;
   dataset.where_ = where(path);
@@ -140,10 +199,27 @@ InputDataset InputFile::dataset(const std::string& path, Kind kind, std::int64_t
 
   double bytes = static_cast<double>(size);
   for (const hsize_t n : dimensions) bytes *= static_cast<double>(n);
-  require_honest_size(dataset, bytes);
   dataset.rows_ = static_cast<std::int64_t>(dimensions[0]);
   if (table) dataset.components_ = static_cast<std::int64_t>(dimensions[1]);
+  require_honest_size(dataset, bytes, stored_rows);
   return dataset;
+}
+
+std::int64_t InputFile::stored_rows(const std::string& path) const {
+  const Reading reading(path_);
+  if (!has(path)) return 0;
+  InputDataset dataset;
+  dataset.id_ = Id(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.id_) return 0;
+  const Id type(H5Dget_type(dataset.id_.get()), H5Tclose);
+  const Id space(H5Dget_space(dataset.id_.get()), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 1) return 0;
+  std::vector<hsize_t> dimensions(static_cast<std::size_t>(rank));
+  H5Sget_simple_extent_dims(space.get(), dimensions.data(), nullptr);
+  double bytes = static_cast<double>(H5Tget_size(type.get()));
+  for (const hsize_t n : dimensions) bytes *= static_cast<double>(n);
+  return is_stored(dataset, bytes) ? static_cast<std::int64_t>(dimensions[0]) : 0;
 }
 
 void InputDataset::read_as(hid_t memory_type, std::int64_t first, std::int64_t rows,
@@ -162,8 +238,10 @@ void InputDataset::read_as(hid_t memory_type, std::int64_t first, std::int64_t r
   Id memory(H5Screate_simple(rank, dimensions, nullptr), H5Sclose);
   if (rank < 1 ||
       H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, start, nullptr, dimensions, nullptr) < 0 ||
-      H5Dread(id_.get(), memory_type, memory.get(), space.get(), H5P_DEFAULT, values) < 0)
-    throw InputError(where_ + ": cannot be read: " + last_error());
+      H5Dread(id_.get(), memory_type, memory.get(), space.get(), H5P_DEFAULT, values) < 0) {
+    const std::string reason = last_error(), filter = missing_filter(id_.get());
+    throw InputError(where_ + ": cannot be read: " + (filter.empty() ? reason : filter));
+  }
 }
 
 void InputDataset::read(std::int64_t first, std::int64_t rows, double* values) const {
@@ -258,6 +336,7 @@ std::string InputFile::text_attribute(const std::string& object, const char* att
   if (H5Aread(id.get(), type.get(), text.data()) < 0)
     throw InputError(at + ": cannot be read: " + last_error());
   text.resize(std::min(text.find('\0'), text.size()));
+  if (H5Tget_strpad(type.get()) == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
   return text;
 }
 

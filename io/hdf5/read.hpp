@@ -41,8 +41,8 @@ class InputDataset {
 };
 
 /// An HDF5 file opened for reading. Links that lead to other files, virtual and
-/// external datasets are refused: a trajectory is one file. So are datasets
-/// that claim more values than bytes stored could hold.
+/// external datasets are refused: a trajectory is one file. So are datasets of
+/// more than 64 KiB that claim more values than the bytes stored could hold.
 class InputFile {
  public:
   explicit InputFile(const std::filesystem::path& path);
@@ -56,8 +56,14 @@ class InputFile {
   /// Names of what is in a group, in alphabetical order; none if there is no such group.
   std::vector<std::string> children(const std::string& group) const;
 
-  /// A dataset of `components` values per row (0: any number).
-  InputDataset dataset(const std::string& name, Kind kind, std::int64_t components) const;
+  /// A dataset of `components` values per row (0: any number). Values that were never written
+  /// are read as HDF5 fills them in if there are no more rows than `stored_rows`, which the
+  /// caller knows from another array.
+  InputDataset dataset(const std::string& name, Kind kind, std::int64_t components,
+                       std::int64_t stored_rows = 0) const;
+
+  /// Rows of a dataset for which the file has bytes; 0 if it has not, or there is no dataset.
+  std::int64_t stored_rows(const std::string& name) const;
 
   /// Integers of a dataset with one value per row, the first `count` of them,
   /// each in [low, high].
@@ -71,7 +77,9 @@ class InputFile {
 
  private:
   Id attribute(const std::string& object, const char* name, H5T_class_t type_class) const;
-  void require_honest_size(const InputDataset& dataset, double bytes) const;
+  bool is_stored(const InputDataset& dataset, double bytes) const;
+  void require_honest_size(const InputDataset& dataset, double bytes,
+                           std::int64_t stored_rows) const;
 
   std::filesystem::path path_;
   double file_bytes_ = 0;

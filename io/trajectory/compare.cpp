@@ -88,17 +88,25 @@ void compare_frame(const std::vector<T>& a, const std::vector<T>& b, const State
   }
 }
 
+bool has_32_bit_times(const TrajectoryReader& file) {
+  for (std::int64_t k = 0; k < file.frames(); ++k)
+    if (static_cast<double>(static_cast<float>(file.time(k))) != file.time(k)) return false;
+  return true;
+}
+
 /// Frames of equal time, in order; the others are listed as unmatched.
 std::vector<FramePair> match_frames(const TrajectoryReader& a, const TrajectoryReader& b,
                                     const CompareOptions& options, TrajectoryComparison& result) {
   std::vector<FramePair> matched;
   std::int64_t i = 0, j = 0;
+  const double rounding = has_32_bit_times(a) || has_32_bit_times(b) ? 0x1p-23 : 1e-9;
   while (i < a.frames() && j < b.frames()) {
     const double t_a = a.time(i), t_b = b.time(j);
     const double tolerance =
-        options.time_tolerance.value_or(1e-9 * std::max(std::abs(t_a), std::abs(t_b)));
+        options.time_tolerance.value_or(rounding * std::max(std::abs(t_a), std::abs(t_b)));
     if (std::abs(t_a - t_b) <= tolerance) {
       result.times_identical = result.times_identical && t_a == t_b;
+      result.max_time_difference = std::max(result.max_time_difference, std::abs(t_a - t_b));
       matched.push_back({i++, j++});
     } else if (t_a < t_b) {
       result.only_in_a.push_back(a.time(i++));

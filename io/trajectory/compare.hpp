@@ -11,9 +11,10 @@
 namespace firn {
 
 struct CompareOptions {
-  /// Frames belong together if their times differ by no more than this [s]; by
-  /// default the rounding of a time that many additions of Δt reached,
-  /// 1e-9·max(|t_A|, |t_B|) (4·10⁶ roundings of 2⁻⁵²).
+  /// Frames belong together if their times differ by no more than this [s]. By default that is
+  /// the rounding of a time that many additions of Δt reached, 1e-9·max(|t_A|, |t_B|)
+  /// (4·10⁶ roundings of 2⁻⁵²); 2⁻²³·max(|t_A|, |t_B|) if the times of A or of B are all numbers
+  /// of 32 bits, as in files that VTK has written.
   std::optional<double> time_tolerance;
 };
 
@@ -49,6 +50,7 @@ struct TrajectoryComparison {
   std::int64_t frames_a = 0, frames_b = 0, frames_matched = 0;
   std::vector<double> only_in_a, only_in_b;  ///< times of frames without a partner [s]
   bool times_identical = true;               ///< of the matched frames, every bit
+  double max_time_difference = 0;            ///< of the matched frames [s]
   std::vector<ParticleMismatch> particle_mismatches;
   std::vector<QuantityComparison>
       quantities;  ///< position, velocity, mass, volume, F_E, F_P, material

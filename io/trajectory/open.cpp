@@ -42,8 +42,28 @@ void TrajectoryReader::Open::require_vtkhdf_polydata() const {
                      "PolyData");
 }
 
+/// Data without time is one frame at t = 0.
+void TrajectoryReader::Open::read_single_frame() {
+  const hdf5::InputDataset parts = file.dataset("/VTKHDF/NumberOfPoints", hdf5::Kind::integer, 1);
+  FramePlace frame;
+  for (const std::int64_t more : file.integers("/VTKHDF/NumberOfPoints", parts.rows(), 0, any))
+    add_points(frame, more);
+  frames.push_back(frame);
+}
+
+void TrajectoryReader::Open::add_points(FramePlace& frame, std::int64_t more) const {
+  if (more > any - frame.particles)
+    throw InputError(file.where("/VTKHDF/NumberOfPoints"), "number of points of a frame",
+                     "more than 2^63", "less");
+  frame.particles += more;
+}
+
 /// Frames are counted by NSteps; one without a time is not complete.
 void TrajectoryReader::Open::read_steps() {
+  if (!file.has("/VTKHDF/Steps")) {
+    read_single_frame();
+    return;
+  }
   const std::string steps = "/VTKHDF/Steps/";
   std::int64_t count = file.integer_attribute("/VTKHDF/Steps", "NSteps");
   if (count < 0)
@@ -70,13 +90,8 @@ void TrajectoryReader::Open::read_steps() {
                        std::to_string(parts[k]) + " from " + std::to_string(part_offsets[k]),
                        "within the " + std::to_string(all_parts) + " of NumberOfPoints");
     FramePlace frame{times[k], 0, point_offsets[k]};
-    for (std::int64_t part = 0; part < parts[k]; ++part) {
-      const std::int64_t more = points[static_cast<std::size_t>(part_offsets[k] + part)];
-      if (more > any - frame.particles)
-        throw InputError(file.where(points_name), "number of points of a frame", "more than 2^63",
-                         "less");
-      frame.particles += more;
-    }
+    for (std::int64_t part = 0; part < parts[k]; ++part)
+      add_points(frame, points[static_cast<std::size_t>(part_offsets[k] + part)]);
     frames.push_back(frame);
   }
 }
@@ -89,7 +104,8 @@ void TrajectoryReader::Open::open_array(const ParticleArray& array) {
     offsets[name] = file.integers(offsets_name, count, 0, any);
   const hdf5::Kind kind = array.integer ? hdf5::Kind::integer : hdf5::Kind::real;
   const hdf5::InputDataset& data =
-      arrays.emplace(name, file.dataset(array.path, kind, array.components)).first->second;
+      arrays.emplace(name, file.dataset(array.path, kind, array.components, stored_rows))
+          .first->second;
   for (std::int64_t k = 0; k < count; ++k) {
     const std::int64_t first = first_row(name, k), particles = at(k).particles;
     if (particles > data.rows() || first > data.rows() - particles)
@@ -99,8 +115,18 @@ void TrajectoryReader::Open::open_array(const ParticleArray& array) {
   }
 }
 
+/// The number of particles must have bytes behind it in an array of real numbers; arrays of that
+/// length may then be left to their fill value.
 void TrajectoryReader::Open::open_arrays() {
+  for_each_array([this](const ParticleArray& array) {
+    if (!array.integer) stored_rows = std::max(stored_rows, file.stored_rows(array.path));
+  });
   for_each_array([this](const ParticleArray& array) { open_array(array); });
+  const std::int64_t points = arrays.at("position").rows();
+  if (!file.has("/VTKHDF/Steps") && points != frames[0].particles)
+    throw InputError(file.where("/VTKHDF/Points"), "rows without a group Steps",
+                     std::to_string(points),
+                     std::to_string(frames[0].particles) + ", the sum of NumberOfPoints");
 }
 
 void TrajectoryReader::Open::read_firn() {

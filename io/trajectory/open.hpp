@@ -26,6 +26,8 @@ struct TrajectoryReader::Open {
 
   void require_vtkhdf_polydata() const;
   void read_steps();
+  void read_single_frame();
+  void add_points(FramePlace& frame, std::int64_t more) const;
   void read_firn();
   void open_arrays();
   void open_array(const ParticleArray& array);
@@ -47,7 +49,8 @@ struct TrajectoryReader::Open {
   std::optional<TrajectoryInfo> info;
   std::vector<std::int64_t> steps;
   std::optional<hdf5::InputDataset> restart;
-  std::int64_t rows = 0;
+  std::int64_t rows = 0;         ///< of /firn/diagnostics
+  std::int64_t stored_rows = 0;  ///< of particle arrays: those that have bytes behind them
 };
 
 }  // namespace firn

@@ -17,8 +17,9 @@ namespace firn {
 
 /// One trajectory, opened for reading. The file is not trusted: every shape,
 /// type and count is checked, and InputError names the dataset. Needed are
-/// Points, the seven arrays of PointData and Steps, as 32- or 64-bit numbers;
-/// `/firn` may be missing. The number of particles may differ between frames.
+/// Points and the seven arrays of PointData, as 32- or 64-bit numbers; `/firn`
+/// may be missing, and Steps, too, where there is one frame. The number of particles may differ
+/// between frames.
 class TrajectoryReader {
  public:
   explicit TrajectoryReader(std::filesystem::path path);

@@ -175,6 +175,11 @@ const std::vector<BadFile> bad_files = {
              e.replace("/VTKHDF/Points", H5T_IEEE_F64LE, {1'000'000'000'000, 3},
                        never_written().get());
            }),
+    edited("claims 10¹² F_E for 10 points",
+           [](Edit& e) {
+             e.replace("/VTKHDF/PointData/F_E", H5T_IEEE_F64LE, {1'000'000'000'000, 9},
+                       never_written().get());
+           }),
     edited("has its points in another file",
            [](Edit& e) { e.link_to_other_file("/VTKHDF/Points"); }),
     edited("has its masses in /etc/passwd",

@@ -132,6 +132,19 @@ TEST_F(Compare, MatchesTimesThatRoundingSeparates) {
   EXPECT_EQ(compare(three_frames(), b, {.time_tolerance = 0.011}).frames_matched, 3);
 }
 
+TEST_F(Compare, MatchesTimesThatAnotherProgramKeptIn32Bits) {
+  auto b = three_frames();
+  for (State& state : b) state.time = static_cast<double>(static_cast<float>(state.time));
+  const auto result = compare(three_frames(), b);
+  EXPECT_EQ(result.frames_matched, 3);
+  EXPECT_FALSE(result.identical());
+  EXPECT_EQ(result.max_time_difference, static_cast<double>(0.2f) - 0.2);
+  EXPECT_EQ(compare(b, three_frames()).frames_matched, 3);
+  auto a = three_frames();
+  a[2].time *= 1 + 1e-6;
+  EXPECT_EQ(compare(a, b).frames_matched, 2) << "16 roundings away is another time";
+}
+
 TEST_F(Compare, RefusesAnIdThatIsThereTwice) {
   auto b = three_frames();
   b[1].particles.id[0] = b[1].particles.id[1];
