@@ -2,9 +2,11 @@
 """python -m firn_reports FILE [--check CHECK.json]… [--baseline OLD.h5] [-o DIR]"""
 
 import argparse
+import math
 import shlex
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import h5py
 
@@ -40,9 +42,25 @@ def file_format(path: str | Path) -> str:
     raise InputError(f"{path}: no attribute `format`: allowed: firn-trajectory, firn-results")
 
 
+def share(value: str) -> float:
+    """A finite number above 0."""
+    number = float(value)
+    if not (number > 0 and math.isfinite(number)):
+        raise argparse.ArgumentTypeError(f"got {value}, allowed: finite, above 0")
+    return number
+
+
+class Parser(argparse.ArgumentParser):
+    """Complains in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises InputError."""
+        raise InputError(message)
+
+
 def parse(arguments: list[str]) -> argparse.Namespace:
-    """The options of `firn report`; prints a message and exits with 2 if they are wrong."""
-    parser = argparse.ArgumentParser(
+    """The options of `firn report`. Raises InputError if they are wrong."""
+    parser = Parser(
         "firn report", description="One self-contained HTML page from a trajectory or from results."
     )
     parser.add_argument("file", metavar="FILE", help="a trajectory (.vtkhdf) or results (.h5)")
@@ -65,7 +83,7 @@ def parse(arguments: list[str]) -> argparse.Namespace:
     )
     parser.add_argument(
         "--threshold",
-        type=float,
+        type=share,
         default=baseline.THRESHOLD,
         metavar="SHARE",
         help="with --baseline: a case may be worse by up to this fraction (default: %(default)s)",
@@ -125,6 +143,18 @@ def errors_section(options: argparse.Namespace, checks: list[check.Check]) -> pa
     return error_map.section(error_map.read(options.errors), command)
 
 
+def require_comparable(new: results.Results, old: results.Results) -> None:
+    """Raises InputError if a baseline has nothing to compare with, or numbers that cannot be."""
+    common = [c for c in old.cases if new.find(c.suite, c.name)]
+    if not common:
+        raise InputError(f"{old.path}: cases in common with {new.path}: got 0, allowed: at least 1")
+    for case in common:
+        if wrong := next((w for q in case.quantities.values() if (w := results.flaw(q))), ""):
+            raise InputError(
+                f"{old.path}: cases/{case.suite}/{case.name}: {wrong}, allowed: finite numbers"
+            )
+
+
 def report_results(options: argparse.Namespace, checks: list[check.Check], command: str) -> int:
     """Exit status 1 if something became worse than the baseline."""
     new, old = results.read(options.file), None
@@ -135,6 +165,7 @@ def report_results(options: argparse.Namespace, checks: list[check.Check], comma
         if (kind := file_format(options.baseline)) != "firn-results":
             raise InputError(f"{options.baseline}: format: got {kind}, allowed: firn-results")
         old = results.read(options.baseline)
+        require_comparable(new, old)
     result, failed = results_page.build(new, old, options.threshold, command)
     for each in checks:
         check.require_same_results(each, new.sessions, new.subjects())
@@ -144,19 +175,26 @@ def report_results(options: argparse.Namespace, checks: list[check.Check], comma
         result.sections.append(errors_section(options, checks))
     print(page.write(result, options.output, None, inputs(options), options.force))
     if failed:
-        print("worse than the baseline, see the page: " + result.sentence, file=sys.stderr)
+        names = baseline.named(new, old, options.threshold) if old else []
+        print("worse than the baseline: " + "; ".join(names), file=sys.stderr)
     return 1 if failed else 0
+
+
+def tell(message: str) -> int:
+    """One line on stderr; exit status 2."""
+    print("firn report:", " ".join(message.split()), file=sys.stderr)
+    return 2
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Exit status: 0, 1 if something became worse than the baseline, 2 for bad input."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    options = parse(arguments)
     try:
-        return report(options, "firn report " + shlex.join(arguments))
+        return report(parse(arguments), "firn report " + shlex.join(arguments))
     except (InputError, OSError) as error:
-        print(f"firn report: {error}", file=sys.stderr)
-        return 2
+        return tell(str(error))
+    except Exception as error:  # a file that no check above has thought of
+        return tell(f"{' '.join(arguments)}: cannot be shown: {type(error).__name__}: {error}")
 
 
 if __name__ == "__main__":

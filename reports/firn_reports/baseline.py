@@ -79,8 +79,8 @@ def compare(new: Results, old: Results, threshold: float = THRESHOLD) -> list[Ch
                 or not len(reference.values)
             ):
                 continue
-            if quantity.median <= 0 or reference.median <= 0:
-                continue
+            if not (quantity.median > 0 and reference.median > 0):
+                continue  # an error of 0; what is not a number has made the case a failed one
             ratio = quantity.median / reference.median
             if quantity.better == "higher":
                 ratio = 1 / ratio
@@ -116,4 +116,16 @@ def appeared_broken(new: Results, old: Results) -> list[Case]:
         if case.status in ("invalid", "failed")
         and (before := old.find(case.suite, case.name)) is not None
         and before.status not in ("invalid", "failed")
+    ]
+
+
+def named(new: Results, old: Results, threshold: float) -> list[str]:
+    """Every case that broke or became worse, and how."""
+    return [
+        f"{case.suite}/{case.name}: {case.status}: {case.message}"
+        for case in appeared_broken(new, old)
+    ] + [
+        f"{c.case.suite}/{c.case.name}: {c.quantity} {100 * (c.ratio - 1):.3g} % worse"
+        for c in compare(new, old, threshold)
+        if c.kind == "worse"
     ]

@@ -12,7 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from . import InputError
+from . import InputError, checked
 from .kinds import Array, Json
 
 
@@ -130,19 +130,38 @@ def attributes(node: h5py.HLObject) -> Json:
 RENAMED = {("targets", "FMA peak"): "FMA peak, factored count"}
 
 
-def read_case(suite: str, name: str, group: h5py.Group) -> Case:
-    """The case that an HDF5 group holds.
+STATUSES = ("measured", "noisy", "invalid", "failed")
 
-    Raises KeyError if a part is missing.
+
+def flaw(quantity: Quantity) -> str:
+    """What is wrong with the repetitions of a quantity that has a better and a worse; else ""."""
+    if quantity.better == "neither":
+        return ""
+    if quantity.timed and not len(quantity.values):
+        return f"{quantity.name}: no repetitions"
+    for i, value in enumerate(quantity.values):
+        if not math.isfinite(value) or (quantity.timed and value <= 0):
+            return f"{quantity.name}: repetition {i} is {value:g}"
+    return ""
+
+
+def read_case(suite: str, name: str, group: h5py.Group) -> Case:
+    """The case that an HDF5 group holds. Numbers that cannot be make it a failed one.
+
+    Raises KeyError if a part is missing, InputError if one is not what it must be.
     """
     a = attributes(group)
+    a["status"] = checked.text(group, "status", STATUSES)
     quantities = {}
     for stored_name, data in group["quantities"].items():
         q = attributes(data)
         key = RENAMED.get((suite, stored_name), stored_name)
+        values = checked.numbers(group["quantities"], stored_name, [None], finite=False)
         quantities[key] = Quantity(
-            key, q["units"], q["meaning"], q["better"], bool(q["timed"]), data[()].astype(float)
+            key, q["units"], q["meaning"], q["better"], bool(q["timed"]), values
         )
+        if a["status"] in ("measured", "noisy") and (wrong := flaw(quantities[key])):
+            a["status"], a["message"] = "failed", wrong
     return Case(
         suite,
         name,
@@ -154,7 +173,7 @@ def read_case(suite: str, name: str, group: h5py.Group) -> Case:
         int(a["session"]),
         attributes(group["parameters"]),
         quantities,
-        group["calibration"][()],
+        checked.numbers(group, "calibration", [None]),
         a.get("wall_seconds"),
         a.get("processor_seconds"),
         a.get("finished", ""),
@@ -198,7 +217,7 @@ def read(path: str | Path) -> Results:
                     **attributes(file["mutants"]),
                     "rows": read_columns(file["mutants"], columns),
                 }
-        except (KeyError, ValueError) as error:
+        except (KeyError, ValueError, TypeError, AttributeError) as error:
             raise InputError(
                 f"{path}: not a results file as docs/results_schema.md describes it: {error}"
             ) from None

@@ -9,6 +9,12 @@ from firn_reports import InputError
 from . import lesson, pages
 
 
+def tell(message: str) -> int:
+    """One line on stderr; exit status 2."""
+    print("firn teach:", " ".join(message.split()), file=sys.stderr)
+    return 2
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Exit status: 0, or 2 for bad input."""
     parser = argparse.ArgumentParser(
@@ -43,8 +49,9 @@ def main(arguments: list[str] | None = None) -> int:
         print(pages.write(made, options.output, options.web_module, inputs, options.force))
         return 0
     except (InputError, OSError) as error:
-        print(f"firn teach: {error}", file=sys.stderr)
-        return 2
+        return tell(str(error))
+    except Exception as error:  # a lesson that no check has thought of
+        return tell(f"{options.lesson}: cannot be shown: {type(error).__name__}: {error}")
 
 
 if __name__ == "__main__":
