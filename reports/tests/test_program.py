@@ -44,7 +44,7 @@ def refused(answer, says):
     assert says in answer.stderr
 
 
-def test_a_page_replaces_only_pages(tmp_path, check_file):
+def test_a_page_replaces_only_pages(tmp_path):
     results = synthetic.write_results(tmp_path / "new.h5")
     for _ in range(2):
         assert firn(results, "-o", "page", folder=tmp_path).returncode == 0
@@ -59,11 +59,11 @@ def test_a_page_replaces_only_pages(tmp_path, check_file):
         assert (folder / name).read_text() != "mine"
 
 
-def test_a_page_never_replaces_an_input(tmp_path, check_file):
+def test_a_page_never_replaces_an_input(tmp_path):
     results = synthetic.write_results(tmp_path / "new.h5")
+    old = synthetic.write_results(tmp_path / "old.h5")
     (tmp_path / "page").mkdir()
-    check = check_file("VALID")
-    (tmp_path / "page" / "index.html").symlink_to(check)
-    before = check.read_text()
-    refused(firn(results, "--check", check, "-o", "page", "--force", folder=tmp_path), "an input")
-    assert check.read_text() == before
+    (tmp_path / "page" / "index.html").symlink_to(old)
+    before = old.read_bytes()
+    refused(firn(results, "--baseline", old, "-o", "page", "--force", folder=tmp_path), "an input")
+    assert old.read_bytes() == before
