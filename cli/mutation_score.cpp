@@ -119,9 +119,11 @@ struct Score {
 };
 
 /// The suites that compare with the reference come later: what the properties of the method
-/// catch is worth more. Waves and limits of stability, which take longest, come last.
+/// catch is worth more. Waves and limits of stability, which take longest, come last. Ladders of
+/// size take longer than the other properties and see what these do not.
 constexpr const char* properties =
-    "*-Lockstep.*:FreeRunning.*:Dynamics.*:Stability.bulk*:Stability.lone*";
+    "*-Scale.*:Lockstep.*:FreeRunning.*:Dynamics.*:Stability.bulk*:Stability.lone*";
+constexpr const char* ladders = "Scale.*";
 constexpr const char* comparisons = "Lockstep.*:FreeRunning.*";
 constexpr const char* the_rest = "Dynamics.*:Stability.*";
 
@@ -130,6 +132,7 @@ Score score_of(const Mutant& mutant, const Registry& registry) {
   score.mutant = &mutant;
   const std::string solver = "mutant:" + mutant.name;
   score.by_properties = first_failure(solver, properties, registry);
+  if (score.by_properties.empty()) score.by_properties = first_failure(solver, ladders, registry);
   score.caught_by = score.by_properties;
   if (score.caught_by.empty()) score.caught_by = first_failure(solver, comparisons, registry);
   if (score.caught_by.empty()) score.caught_by = first_failure(solver, the_rest, registry);

@@ -69,6 +69,31 @@ ContactMode never_sticks(const Collider& collider, const Contact& c, Vec3& v) {
   return ContactMode::slides;
 }
 
+/// Nothing to push back, nothing to do: a sticky collider lets go of what moves along it exactly.
+ContactMode sticks_if_pushed(const Collider& collider, const Contact& c, Vec3& v) {
+  if ((v - c.velocity).dot(c.normal) == 0) return ContactMode::none;
+  return reference::collide(collider, c, v);
+}
+
+/// v_n > 0 is asked for, not v_n ≥ 0: what moves along the surface slides without friction, and
+/// the solve holds its normal direction.
+ContactMode holds_what_slides_along(const Collider& collider, const Contact& c, Vec3& v) {
+  if (!collider.sticky && (v - c.velocity).dot(c.normal) == 0) return ContactMode::slides;
+  return reference::collide(collider, c, v);
+}
+
+/// ‖v_t‖ < −μ v_n sticks, not ≤: 0/0 without friction and without v_t.
+ContactMode divides_by_no_slip(const Collider& collider, const Contact& c, Vec3& v) {
+  const Vec3 v_rel = v - c.velocity;
+  const double v_n = v_rel.dot(c.normal);
+  const Vec3 v_t = v_rel - c.normal * v_n;
+  const double speed_t = v_t.norm();
+  if (collider.sticky || v_n >= 0 || speed_t != -collider.friction * v_n)
+    return reference::collide(collider, c, v);
+  v = (1 + collider.friction * v_n / speed_t) * v_t + c.velocity;
+  return ContactMode::slides;
+}
+
 /// The friction is measured by the whole speed, not by its tangential part.
 ContactMode friction_by_whole_speed(const Collider& collider, const Contact& c, Vec3& v) {
   if (collider.sticky) return reference::collide(collider, c, v);
@@ -140,6 +165,20 @@ void add_grid_collisions(std::vector<Mutant>& list) {
       on_nodes(friction_by_whole_speed));
   add("friction_never_sticks", "the case ‖v_t‖ ≤ −μ v_n is missing: friction turns v_t around",
       slip, on_nodes(never_sticks));
+  const auto exactly = [](Mutant& mutant, const char* needs) {
+    mutant.needs = needs;
+    mutant.check_sees_it = false;
+  };
+  exactly(add("sticky_node_slips_along", "a sticky collider does nothing at a node where v_n = 0",
+              "nothing is pushed back there", on_nodes(sticks_if_pushed)),
+          "a sticky collider and a motion exactly along it");
+  exactly(add("sliding_along_is_held",
+              "v_n > 0 is left alone, not v_n ≥ 0: the solve holds n of a node that moves along",
+              slip, on_nodes(holds_what_slides_along)),
+          "semi-implicit steps and a motion exactly along a collider");
+  exactly(add("no_slip_divided_by", "‖v_t‖ < −μ v_n sticks, not ≤: 0/0 where both are 0", slip,
+              on_nodes(divides_by_no_slip)),
+          "a collider without friction and a motion exactly along its normal");
   add("contact_a_cell_away", "nodes collide at φ ≤ h instead of φ ≤ 0",
       "to hide the gap between snow and ground", on_nodes(right, 1));
   add("only_first_collider", "the loop over colliders ends at the first", "written for one ground",
@@ -179,6 +218,13 @@ void add_particle_collisions(std::vector<Mutant>& list) {
         run(s);
         s.particles.x = x;
       }));
+  Mutant& sticky = add(
+      "sticky_particle_slips_along", "a sticky collider does nothing to a particle whose v_n = 0",
+      "nothing is pushed back there",
+      around(Stage::particle_collisions,
+             [](const StageFunction&, const Step& s) { collide_particles(s, sticks_if_pushed); }));
+  sticky.needs = "a sticky collider and a motion exactly along it";
+  sticky.check_sees_it = false;
   add("particles_pushed_out", "particles inside a collider are moved onto its surface",
       "a game engine's habit", after(Stage::particle_collisions, [](const Step& s) {
         for (Vec3& x : s.particles.x)

@@ -73,21 +73,6 @@ void rasterize_with_race(const Step& s) {
   divide(grid, momentum);
 }
 
-/// One grid per thread, added up at the end.
-void rasterize_by_threads(const Step& s) {
-  Grid& grid = s.grid;
-  const std::size_t n = s.particles.size(), threads = static_cast<std::size_t>(s.threads);
-  grid.m.assign(grid.size(), 0.0);
-  std::vector<Vec3> momentum(grid.size(), Vec3::Zero());
-  for (std::size_t t = 0; t < threads; ++t) {
-    std::vector<double> m(grid.size(), 0.0);
-    std::vector<Vec3> mv(grid.size(), Vec3::Zero());
-    for (std::size_t p = n * t / threads; p < n * (t + 1) / threads; ++p) scatter(s, p, 1, m, mv);
-    for (std::size_t i = 0; i < grid.size(); ++i) grid.m[i] += m[i], momentum[i] += mv[i];
-  }
-  divide(grid, momentum);
-}
-
 void mean_without_masses(const Step& s) {
   std::vector<double> weight(s.grid.size(), 0.0);
   std::vector<Vec3> sum(s.grid.size(), Vec3::Zero());
@@ -228,6 +213,20 @@ void add_grid_velocities(std::vector<Mutant>& list) {
 }
 
 }  // namespace
+
+void rasterize_by_threads(const Step& s) {
+  Grid& grid = s.grid;
+  const std::size_t n = s.particles.size(), threads = static_cast<std::size_t>(s.threads);
+  grid.m.assign(grid.size(), 0.0);
+  std::vector<Vec3> momentum(grid.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < threads; ++t) {
+    std::vector<double> m(grid.size(), 0.0);
+    std::vector<Vec3> mv(grid.size(), Vec3::Zero());
+    for (std::size_t p = n * t / threads; p < n * (t + 1) / threads; ++p) scatter(s, p, 1, m, mv);
+    for (std::size_t i = 0; i < grid.size(); ++i) grid.m[i] += m[i], momentum[i] += mv[i];
+  }
+  divide(grid, momentum);
+}
 
 void add_grid_mutants(std::vector<Mutant>& list) {
   add_rasterize(list);

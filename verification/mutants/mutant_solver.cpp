@@ -114,6 +114,8 @@ std::vector<Mutant> make_mutants() {
   add_particle_mutants(list);
   add_kernel_mutants(list);
   add_program_mutants(list);
+  add_distance_mutants(list);
+  add_scale_mutants(list);
   return list;
 }
 

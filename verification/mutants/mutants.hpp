@@ -28,7 +28,8 @@ struct Mutant {
   /// yields and touches a collider.
   std::string needs;
   /// False: within roundoff of the truth in any one run of good input, so that lockstep has
-  /// nothing to say; properties of many runs or bad input show it.
+  /// nothing to say; or `needs` more particles, steps, distance or exactness than the cases that
+  /// lockstep is given. Properties of many runs, bad input and the suite's ladders show it.
   bool check_sees_it;
   std::function<void(mutants::Stages&)> patch;
 };

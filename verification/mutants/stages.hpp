@@ -76,8 +76,8 @@ class Adder {
   Stage stage_;
 };
 
-/// Those of stages 1, 2 and 4, of 3, of 5 and 9, of 6, of 7, of 8 and 10, and of the kernel
-/// and the program around the stages.
+/// Those of stages 1, 2 and 4, of 3, of 5 and 9, of 6, of 7, of 8 and 10, of the kernel, of the
+/// program around the stages, and those that only a large scene or a long run shows.
 void add_grid_mutants(std::vector<Mutant>& list);
 void add_stress_mutants(std::vector<Mutant>& list);
 void add_contact_mutants(std::vector<Mutant>& list);
@@ -86,6 +86,11 @@ void add_deformation_mutants(std::vector<Mutant>& list);
 void add_particle_mutants(std::vector<Mutant>& list);
 void add_kernel_mutants(std::vector<Mutant>& list);
 void add_program_mutants(std::vector<Mutant>& list);
+void add_distance_mutants(std::vector<Mutant>& list);
+void add_scale_mutants(std::vector<Mutant>& list);
+
+/// Step 1 with one grid per thread, added up at the end.
+void rasterize_by_threads(const Step& s);
 
 /// Material of particle p.
 inline const Material& material_of(const Step& s, std::size_t p) {

@@ -19,6 +19,7 @@ const std::vector<Topic>& topics() {
       {"Collisions", "collisions"},
       {"SemiImplicit", "semi-implicit"},
       {"StressList", "stress list"},
+      {"Scale", "scale"},
       {"Lockstep", "lockstep"},
       {"FreeRunning", "free running"},
       {"Determinism", "determinism"},

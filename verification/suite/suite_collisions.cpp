@@ -8,69 +8,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "verification/suite/probes.hpp"
+#include "verification/suite/collided.hpp"
 
 namespace firn::suite {
 namespace {
 
-Collider plane(const Vec3& point, const Vec3& normal, double friction) {
-  Collider c;
-  c.shape = HalfSpace{point, normal};
-  c.center = point;
-  c.friction = friction;
-  return c;
-}
-
 bool same_bits(const Vec3& a, const Vec3& b) {
   return std::memcmp(a.data(), b.data(), 3 * sizeof(double)) == 0;
 }
-
-/// Velocities before and after step 5 or step 9, and where they are.
-struct Collided {
-  std::vector<Vec3> x, before, after;
-};
-
-/// A cube of particles around the origin; the velocities of nodes or particles that go into the
-/// collision are set by `velocity(x)`.
-template <class Velocity>
-Collided collide(Scene scene, bool nodes, const Velocity& velocity, double time = 0) {
-  State state;
-  Particles& p = state.particles;
-  fixtures::Random random(51);
-  p.resize(static_cast<std::size_t>(effort(500, 100)));
-  for (std::size_t q = 0; q < p.size(); ++q) {
-    for (int a = 0; a < 3; ++a) p.x[q][a] = spacing * std::floor(3 * random() * 1024) / 1024;
-    p.m[q] = 1;
-    p.V_0[q] = 0x1p-12;
-    p.id[q] = static_cast<std::int64_t>(q);
-  }
-  state.time = time;
-  const double dt = 0x1p-12;
-  const Stage stage = nodes ? Stage::grid_collisions : Stage::particle_collisions;
-  Scene empty = scene;
-  empty.colliders.clear();
-  state = before_stage(empty, state, stage, dt);
-  Collided result;
-  if (nodes) {
-    for (std::size_t i = 0; i < state.grid.size(); ++i) {
-      result.x.push_back(position(scene, state.grid.node[i]));
-      state.grid.v_star[i] = rounded(velocity(result.x[i]));
-    }
-    result.before = state.grid.v_star;
-    result.after = run_through(scene, state, stage, dt).grid.v_star;
-  } else {
-    result.x = state.particles.x;
-    for (std::size_t q = 0; q < result.x.size(); ++q)
-      state.particles.v[q] = rounded(velocity(result.x[q]));
-    result.before = state.particles.v;
-    result.after = run_through(scene, state, stage, dt).particles.v;
-  }
-  return result;
-}
-
-/// Particles near a moving surface may be on either side of it after rounding: a distance below
-/// which nothing is asked [m]. Nodes are where they are.
-double doubtful(const Vec3& x) { return 8 * eps() * (x.norm() + 4 * spacing); }
 
 /// Everything that step 5 or 9 promises, for any velocities and several colliders.
 void all_properties(bool nodes) {
@@ -155,50 +100,6 @@ TEST(Collisions, of_particles) {
   FIRN_NEEDS_STOP(Stage::particle_velocities);
   FIRN_NEEDS_STOP(Stage::particle_collisions);
   all_properties(false);
-}
-
-/// ‖v_t‖ = −μ v_n exactly sticks; φ = 0 exactly is contact.
-void limits(bool nodes) {
-  Scene scene = plain_scene();
-  scene.colliders = {plane(Vec3::Zero(), Vec3(0, 0, 1), 0.5)};
-  const auto touching = [](const Vec3& x) { return x[2] <= 0; };
-  // v_t = (0.75, 1, 0): 1.25 = 0.5 · 2.5, all of it exact in binary.
-  const Collided limit = collide(scene, nodes, [](const Vec3&) { return Vec3(0.75, 1, -2.5); });
-  std::int64_t at_zero = 0;
-  double stuck = 0, free = 0;
-  for (std::size_t k = 0; k < limit.x.size(); ++k) {
-    (touching(limit.x[k]) ? stuck : free) +=
-        touching(limit.x[k]) ? limit.after[k].norm() : (limit.after[k] - limit.before[k]).norm();
-    at_zero += limit.x[k][2] == 0 ? 1 : 0;
-  }
-  expect("‖v_t‖ = −μ v_n sticks exactly", stuck == 0);
-  expect("φ > 0 is free", free == 0);
-  if (nodes) expect("nodes at φ = 0 exactly", at_zero > 0);
-
-  // Two planes in scene order: the second has the last word.
-  Scene corner = scene;
-  corner.colliders = {plane(Vec3::Zero(), Vec3(0, 0, 1), 0), plane(Vec3::Zero(), Vec3(3, 0, 4), 0)};
-  const Collided both = collide(corner, nodes, [](const Vec3&) { return Vec3(-1, 0.25, -1); });
-  for (std::size_t k = 0; k < both.x.size(); ++k) {
-    const Vec3 n2(0.6, 0, 0.8);
-    if (std::abs(both.x[k].dot(n2)) < doubtful(both.x[k])) continue;
-    Vec3 v(-1, 0.25, -1);
-    if (both.x[k][2] <= 0) v -= std::min(0.0, v[2]) * Vec3(0, 0, 1);
-    if (both.x[k].dot(n2) <= 0) v -= std::min(0.0, v.dot(n2)) * n2;
-    within("two planes, one after the other", (both.after[k] - v).norm(), 20 * eps());
-  }
-}
-
-TEST(Collisions, limits_at_nodes) {
-  FIRN_NEEDS_STOP(Stage::grid_velocities);
-  FIRN_NEEDS_STOP(Stage::grid_collisions);
-  limits(true);
-}
-
-TEST(Collisions, limits_at_particles) {
-  FIRN_NEEDS_STOP(Stage::particle_velocities);
-  FIRN_NEEDS_STOP(Stage::particle_collisions);
-  limits(false);
 }
 
 /// One particle inside the solid, so that its nodes and itself are in contact all the time.
