@@ -12,6 +12,7 @@
 #include "cli/progress.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "io/output_path.hpp"
 #include "io/trajectory/point_frames.hpp"
 #include "verification/check/check_set.hpp"
 #include "verification/check/error_map.hpp"
@@ -32,7 +33,7 @@ struct CheckArguments {
   std::string mode = "lockstep";
   std::vector<std::string> require;
   std::string dump;
-  bool json = false, all = false;
+  bool json = false, all = false, force = false;
 };
 
 CheckMode mode_from_name(const std::string& name) {
@@ -73,6 +74,7 @@ class CheckVerb {
   int run() {
     if (arguments_.scene->name.empty()) return run_standard_set();
     const Subject subject = named_subject();
+    if (!arguments_.dump.empty()) require_safe_dump(subject.scene);
     CheckReport report;
     if (subject.interrupted) {
       report.scene = subject.scene.name;
@@ -179,6 +181,13 @@ class CheckVerb {
     return run_check(subject.scene, subject.windows, *reference, *solver, options_);
   }
 
+  void require_safe_dump(const Scene& scene) const {
+    std::vector<std::string> inputs = files_of_solver(arguments_.solver->name);
+    inputs.insert(inputs.end(), scene.files.begin(), scene.files.end());
+    require_no_input(arguments_.dump, inputs);
+    require_replaceable(arguments_.dump, OutputKind::error_map, arguments_.force);
+  }
+
   void write_map() const {
     std::vector<PointFrame> frames;
     for (const ErrorFrame& each : map_.frames()) {
@@ -200,7 +209,7 @@ class CheckVerb {
       if (frames.empty() || frame.arrays.size() == frames.front().arrays.size())
         frames.push_back(std::move(frame));
     }
-    write_point_frames(arguments_.dump, frames);
+    write_point_frames(arguments_.dump, "firn-errors", frames);
     fmt::print(stderr, "firn: {}: errors of {} steps, in units of the bound\n", arguments_.dump,
                frames.size());
   }
@@ -298,6 +307,7 @@ void add_check(CLI::App& app, Context& context) {
   verb->add_option("--dump", arguments->dump,
                    "write the error of every particle and node, in units of its bound, to this "
                    "file for ParaView (.vtkhdf) and for `firn report`");
+  add_force_option(*verb, arguments->force);
   verb->add_flag("--all", arguments->all, "show every row of the table");
   verb->add_flag("--json", arguments->json, "print JSON");
   verb->callback([arguments, &context] { context.exit = CheckVerb(*arguments, context).run(); });

@@ -38,6 +38,7 @@ const char* name(OutputKind kind) {
     case OutputKind::results: return "results file of Firn";
     case OutputKind::junit: return "report of firn verify";
     case OutputKind::lesson: return "lesson of Firn";
+    case OutputKind::error_map: return "map of errors of Firn";
   }
   return "";
 }
@@ -62,6 +63,7 @@ bool is_ours(const fs::path& path, OutputKind kind) {
     case OutputKind::results: return has_format(path, "/", "firn-results");
     // GoogleTest writes the file; this is what it calls a whole program's tests.
     case OutputKind::junit: return begins_with_all(path, {"<?xml", "<testsuites", "\"AllTests\""});
+    case OutputKind::error_map: return has_format(path, "/firn", "firn-errors");
     case OutputKind::lesson: return begins_with_all(path, {"\"format\":\"firn-lesson\""});
   }
   return false;

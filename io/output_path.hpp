@@ -14,7 +14,7 @@ namespace firn {
 void require_no_input(const std::filesystem::path& output, const std::vector<std::string>& inputs);
 
 /// What a verb writes. An existing file of the same kind may be replaced.
-enum class OutputKind { trajectory, results, junit, lesson };
+enum class OutputKind { trajectory, results, junit, lesson, error_map };
 
 /// Is the file at `path` of that kind and written by us? Anything unreadable is not.
 bool is_ours(const std::filesystem::path& path, OutputKind kind);

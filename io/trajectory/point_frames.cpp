@@ -88,8 +88,12 @@ void write_points(hid_t file, const std::vector<PointFrame>& frames, std::size_t
                    x.data());
 }
 
-void write_file(const std::filesystem::path& path, const std::vector<PointFrame>& frames) {
+void write_file(const std::filesystem::path& path, const std::string& format,
+                const std::vector<PointFrame>& frames) {
   const hdf5::Id file = hdf5::open_or_create_file(path);
+  const hdf5::Id group = hdf5::open_or_create_group(file.get(), "/firn");
+  hdf5::write_text(group.get(), "/firn", "format", format);
+  hdf5::write_integer(group.get(), "/firn", "version", 1);
   std::vector<std::int64_t> points;
   std::size_t rows = 0;
   for (const PointFrame& frame : frames) {
@@ -113,12 +117,13 @@ void write_file(const std::filesystem::path& path, const std::vector<PointFrame>
 
 }  // namespace
 
-void write_point_frames(const std::filesystem::path& path, const std::vector<PointFrame>& frames) {
+void write_point_frames(const std::filesystem::path& path, const std::string& format,
+                        const std::vector<PointFrame>& frames) {
   std::filesystem::path part = path;
   part += ".part";
   std::error_code ignored;
   std::filesystem::remove(part, ignored);
-  write_file(part, frames);
+  write_file(part, format, frames);
   std::filesystem::rename(part, path);
 }
 

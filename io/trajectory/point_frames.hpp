@@ -25,7 +25,9 @@ struct PointFrame {
   std::vector<PointArray> arrays;  ///< the same names and components in every frame
 };
 
-/// Throws OutputError. The file appears under its name when it is complete.
-void write_point_frames(const std::filesystem::path& path, const std::vector<PointFrame>& frames);
+/// Throws OutputError. The file appears under its name when it is complete; `format` is an
+/// attribute of its group /firn.
+void write_point_frames(const std::filesystem::path& path, const std::string& format,
+                        const std::vector<PointFrame>& frames);
 
 }  // namespace firn

@@ -296,6 +296,14 @@ TEST(Cli, CheckDumpsWhereTheErrorsAre) {
       run_firn({"check", "tiny_impact", "--steps", "2", "--dump", "errors.vtkhdf"}, folder.path());
   EXPECT_EQ(dump.status, 0) << dump.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "errors.vtkhdf"));
+  // Again over its own file, but not over another.
+  const Words again = {"check", "two_particles", "--start-step", "0", "--dump"};
+  Words own = again, foreign = again;
+  own.push_back("errors.vtkhdf");
+  foreign.push_back("mine.txt");
+  std::ofstream(folder / "mine.txt") << "mine";
+  EXPECT_EQ(run_firn(own, folder.path()).status, 0);
+  EXPECT_EQ(run_firn(foreign, folder.path()).status, 2);
 }
 
 TEST(Cli, ACommandThatFailsIsReportedAsTheGuests) {
