@@ -91,7 +91,7 @@ void write_points(hid_t file, const std::vector<PointFrame>& frames, std::size_t
 void write_file(const std::filesystem::path& path, const std::string& format,
                 const std::vector<PointFrame>& frames) {
   const hdf5::Id file = hdf5::open_or_create_file(path);
-  const hdf5::Id group = hdf5::open_or_create_group(file.get(), "/firn");
+  const hdf5::Id group = hdf5::open_or_create_group(file.get(), "firn");
   hdf5::write_text(group.get(), "/firn", "format", format);
   hdf5::write_integer(group.get(), "/firn", "version", 1);
   std::vector<std::int64_t> points;
