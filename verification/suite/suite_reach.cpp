@@ -102,7 +102,7 @@ TEST(Scale, materials) {
   for (std::size_t q = 0; q < lone.size(); ++q) {
     Material m = elastic_material();
     m.name = fmt::format("material {}", q);
-    m.youngs_modulus = 1e4 * (1 + 0.125 * static_cast<double>(q));
+    m.youngs_modulus = 1e5 * (1 + 0.125 * static_cast<double>(q));
     scene.materials.push_back(m);
     lone.state.particles.material[q] = static_cast<std::int32_t>(q);
     lone.state.particles.F_E[q] = s * Mat3::Identity();
