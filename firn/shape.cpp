@@ -153,6 +153,16 @@ bool holds(const SampledShape& s, const Vec3& x) {
 
 Bounds solid_bounds(const SampledShape& s) { return s.distance->solid_bounds(); }
 
+// Solid -------------------------------------------------------------------------
+
+double distance(const SolidShape& s, const Vec3& x) { return s.solid->distance(x); }
+
+Vec3 normal(const SolidShape& s, const Vec3& x) { return s.solid->normal(x); }
+
+bool holds(const SolidShape& s, const Vec3& x) { return s.solid->contains(x); }
+
+Bounds solid_bounds(const SolidShape& s) { return s.solid->bounds(); }
+
 }  // namespace
 
 double signed_distance(const Shape& shape, const Vec3& x) {

@@ -10,6 +10,12 @@
 
 namespace firn {
 
+void skip_byte_order_mark(std::string_view& text, const std::string& where) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+    throw InputError(where, "encoding", "UTF-16", "ASCII or UTF-8");
+}
+
 std::string_view take_word(std::string_view& text) {
   constexpr std::string_view space = " \t\r\n\v\f";
   text.remove_prefix(std::min(text.find_first_not_of(space), text.size()));
@@ -27,6 +33,7 @@ std::string_view take_line(std::string_view& text) {
 }
 
 double to_coordinate(std::string_view word, const std::string& where) {
+  if (word.empty()) throw InputError(where, "coordinate", "none", "three, x, y and z");
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double value = 0;
@@ -39,8 +46,7 @@ double to_coordinate(std::string_view word, const std::string& where) {
   return value;
 }
 
-std::string quoted(std::string_view word) {
-  constexpr std::size_t longest = 32;
+std::string quoted(std::string_view word, std::size_t longest) {
   std::string text = "\"";
   for (const char c : word.substr(0, longest)) text += c >= ' ' && c <= '~' ? c : '?';
   return text + (word.size() > longest ? "…\"" : "\"");

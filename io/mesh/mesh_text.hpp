@@ -8,6 +8,10 @@
 
 namespace firn {
 
+/// Takes a UTF-8 byte order mark off the front of `text`. Throws InputError for UTF-16, which
+/// editors on Windows write.
+void skip_byte_order_mark(std::string_view& text, const std::string& where);
+
 /// Takes the next word off the front of `text`; empty at the end.
 std::string_view take_word(std::string_view& text);
 
@@ -20,6 +24,6 @@ std::string_view take_line(std::string_view& text);
 double to_coordinate(std::string_view word, const std::string& where);
 
 /// `word` as it may stand in a one-line message: printable and short.
-std::string quoted(std::string_view word);
+std::string quoted(std::string_view word, std::size_t longest = 32);
 
 }  // namespace firn

@@ -7,6 +7,7 @@
 
 #include "firn/error.hpp"
 #include "io/mesh/mesh_text.hpp"
+#include "io/mesh/polygon.hpp"
 
 namespace firn {
 
@@ -23,6 +24,7 @@ class ObjReader {
   ObjReader(std::string_view text, const std::string& where) : text_(text), where_(where) {}
 
   TriangleMesh read() {
+    skip_byte_order_mark(text_, where_);
     while (!text_.empty()) {
       std::string joined;
       read_statement(take_statement(joined));
@@ -34,23 +36,30 @@ class ObjReader {
  private:
   std::string here() const { return where_ + ":" + std::to_string(line_); }
 
+  /// The next line without its comment. A backslash in a comment joins no lines.
+  std::string_view next_line(bool& continued) {
+    ++line_;
+    const std::string_view line = take_line(text_);
+    std::string_view statement = line.substr(0, line.find('#'));
+    continued = statement.size() == line.size() && !line.empty() && line.back() == '\\';
+    if (continued) statement.remove_suffix(1);
+    return statement;
+  }
+
   /// One line, with those that a backslash at the end joins to it.
   std::string_view take_statement(std::string& joined) {
-    std::string_view line = take_line(text_);
-    ++line_;
-    if (line.empty() || line.back() != '\\') return line;
-    while (!line.empty() && line.back() == '\\') {
-      line.remove_suffix(1);
-      joined += line;
+    bool continued = false;
+    const std::string_view line = next_line(continued);
+    if (!continued) return line;
+    joined = line;
+    while (continued) {
       joined += ' ';
-      line = take_line(text_);
-      ++line_;
+      joined += next_line(continued);
     }
-    return joined += line;
+    return joined;
   }
 
   void read_statement(std::string_view statement) {
-    statement = statement.substr(0, statement.find('#'));
     const std::string_view keyword = take_word(statement);
     if (keyword.empty()) return;
     if (keyword == "v")
@@ -74,18 +83,19 @@ class ObjReader {
 
   /// f a b c …, each a vertex, or vertex/texture/normal.
   void read_face(std::string_view words) {
-    const std::int32_t first = vertex_index(take_word(words));
-    std::int32_t previous = vertex_index(take_word(words));
-    std::string_view word = take_word(words);
-    do {
-      const std::int32_t corner = vertex_index(word);
-      if (mesh_.triangles.size() >= largest_number_of_triangles)
-        throw InputError(here(), "triangles", "more",
-                         "at most " + std::to_string(largest_number_of_triangles));
-      mesh_.triangles.push_back({first, previous, corner});
-      previous = corner;
-      word = take_word(words);
-    } while (!word.empty());
+    corners_.clear();
+    for (std::string_view word = take_word(words); !word.empty(); word = take_word(words))
+      corners_.push_back(vertex_index(word));
+    if (corners_.size() < 3)
+      throw InputError(here(), "corners of a face", std::to_string(corners_.size()), "at least 3");
+    if (corners_.size() > largest_number_of_triangles - mesh_.triangles.size())
+      throw InputError(here(), "triangles", "more",
+                       "at most " + std::to_string(largest_number_of_triangles));
+    if (!append_polygon(mesh_.vertices, corners_, mesh_.triangles))
+      throw InputError(
+          here(), "face",
+          "a polygon of " + std::to_string(corners_.size()) + " corners that crosses itself",
+          "polygons that do not");
   }
 
   /// 1 is the first vertex, −1 the one read last.
@@ -97,8 +107,9 @@ class ObjReader {
     const bool whole = error == std::errc() && end == digits.data() + digits.size();
     if (!whole || index == 0 || index > count || index < -count)
       throw InputError(here(), "vertex of a face", quoted(word),
-                       "1 to " + std::to_string(count) + " or -" + std::to_string(count) +
-                           " to -1 (the vertices above), at least 3 per face");
+                       count == 0 ? "none, as no vertex stands above"
+                                  : "1 to " + std::to_string(count) + " or -" +
+                                        std::to_string(count) + " to -1 (the vertices above)");
     return static_cast<std::int32_t>(index > 0 ? index - 1 : count + index);
   }
 
@@ -106,6 +117,7 @@ class ObjReader {
   const std::string& where_;
   std::int64_t line_ = 0;
   TriangleMesh mesh_;
+  std::vector<std::int32_t> corners_;  // of the face being read
 };
 
 }  // namespace

@@ -9,11 +9,10 @@
 
 namespace firn {
 
-/// Triangles of the statements `v` and `f`, welded. Polygons are split as fans
-/// from their first corner, so they should be convex. Statements without a
-/// surface of their own (normals, texture, groups, materials, lines) are passed
-/// over, anything else is an error. A pure function of its input; throws
-/// InputError with `where:line`.
+/// Triangles of the statements `v` and `f`, welded; append_polygon() cuts faces of
+/// more than three corners. Statements without a surface of their own (normals,
+/// texture, groups, materials, lines) are passed over, anything else is an
+/// error. A pure function of its input; throws InputError with `where:line`.
 TriangleMesh parse_obj(std::string_view text, const std::string& where = "OBJ");
 
 }  // namespace firn

@@ -42,13 +42,31 @@ float float_at(const char* bytes) {
   return value;
 }
 
+std::size_t stated_size(std::string_view bytes) {
+  return header_size + triangle_size * std::size_t{little_endian(&bytes[80])};
+}
+
+/// A file of the size that its count asks for is binary, whatever its first word. Otherwise it
+/// is text if it begins so: counts below 16 million end in a byte 0.
 bool is_binary(std::string_view bytes) {
-  return bytes.size() >= header_size &&
-         bytes.size() - header_size == std::size_t{triangle_size} * little_endian(&bytes[80]);
+  if (bytes.size() >= header_size && bytes.size() == stated_size(bytes)) return true;
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return false;  // UTF-16
+  constexpr std::string_view space = "\t\n\v\f\r";
+  return std::any_of(
+      bytes.begin(), bytes.begin() + std::min(bytes.size(), header_size), [&](char c) {
+        return (static_cast<unsigned char>(c) < ' ' && space.find(c) == space.npos) || c == '\x7f';
+      });
 }
 
 TriangleMesh parse_binary(std::string_view bytes, const std::string& where) {
+  if (bytes.size() < header_size)
+    throw InputError(where, "bytes of a binary STL", std::to_string(bytes.size()),
+                     "at least " + std::to_string(header_size) + ", its header");
   const std::size_t count = little_endian(&bytes[80]);
+  if (bytes.size() != stated_size(bytes))
+    throw InputError(where, "bytes of a binary STL", std::to_string(bytes.size()),
+                     std::to_string(stated_size(bytes)) + ", for the " + std::to_string(count) +
+                         " triangles that it counts");
   require_room(count, where);
   TriangleMesh mesh;
   mesh.vertices.reserve(3 * count);
@@ -78,6 +96,7 @@ class AsciiReader {
   AsciiReader(std::string_view text, const std::string& where) : text_(text), where_(where) {}
 
   TriangleMesh read() {
+    skip_byte_order_mark(text_, where_);
     while (!next_line().empty()) read_solid();
     return std::move(mesh_);
   }
@@ -108,7 +127,9 @@ class AsciiReader {
 
   void require(std::string_view keyword) const {
     if (!begins(keyword))
-      throw InputError(here(), "line", quoted(statement_), "\"" + std::string(keyword) + "\"");
+      throw InputError(here(), "line",
+                       statement_.empty() ? "the end of the file" : quoted(statement_),
+                       "\"" + std::string(keyword) + "\"");
   }
 
   void read_solid() {

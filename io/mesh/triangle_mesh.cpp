@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -12,12 +13,6 @@
 namespace firn {
 
 namespace {
-
-auto coordinates(const Vec3& x) { return std::make_tuple(x[0], x[1], x[2]); }
-
-std::string point_text(const Vec3& x) {
-  return "(" + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) + ")";
-}
 
 struct Edge {
   std::int32_t low, high;  // vertices
@@ -43,24 +38,19 @@ std::vector<Edge> sorted_edges(const TriangleMesh& mesh) {
 
 }  // namespace
 
-void weld(TriangleMesh& mesh) {
-  std::vector<std::int32_t> order(mesh.vertices.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
-    return coordinates(mesh.vertices[a]) < coordinates(mesh.vertices[b]);
-  });
-  std::vector<std::int32_t> welded(order.size());
-  std::vector<Vec3> vertices;
-  for (const std::int32_t vertex : order) {
-    if (vertices.empty() || vertices.back() != mesh.vertices[vertex])
-      vertices.push_back(mesh.vertices[vertex]);
-    welded[vertex] = static_cast<std::int32_t>(vertices.size()) - 1;
-  }
-  mesh.vertices = std::move(vertices);
-  for (Triangle& t : mesh.triangles)
-    for (std::int32_t& corner : t) corner = welded[corner];
-  std::erase_if(mesh.triangles,
-                [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+std::string point_text(const Vec3& x) {
+  std::string text(1, '(');  // g++ 12 warns wrongly about `"(" + string`, PR105651
+  text += to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) + ")";
+  return text;
+}
+
+bool is_closed(const TriangleMesh& mesh) {
+  const std::vector<Edge> edges = sorted_edges(mesh);
+  for (std::size_t e = 0; e < edges.size(); e += 2)
+    if (e + 1 == edges.size() || !edges[e].same_place(edges[e + 1]) ||
+        (e > 0 && edges[e].same_place(edges[e - 1])))
+      return false;
+  return !edges.empty();
 }
 
 void require_closed(const TriangleMesh& mesh, const std::string& where) {
@@ -124,6 +114,54 @@ std::vector<TriangleMesh> shells(const TriangleMesh& mesh) {
       parts[part].triangles.push_back(corners);
     }
   return parts;
+}
+
+bool turn_alike(TriangleMesh& shell) {
+  struct Neighbour {
+    std::int32_t triangle;
+    bool alike;  // as the two turn in the file
+  };
+  const auto runs_up = [&](std::int32_t t, const Edge& edge) {  // from low to high
+    const Triangle& c = shell.triangles[t];
+    for (int corner = 0; corner < 3; ++corner)
+      if (c[corner] == edge.low) return c[(corner + 1) % 3] == edge.high;
+    return false;
+  };
+  std::vector<std::array<Neighbour, 3>> neighbours(shell.triangles.size());
+  std::vector<int> known(shell.triangles.size(), 0);
+  const std::vector<Edge> edges = sorted_edges(shell);
+  for (std::size_t e = 0; e + 1 < edges.size(); e += 2) {
+    const std::int32_t a = edges[e].triangle, b = edges[e + 1].triangle;
+    const bool alike = runs_up(a, edges[e]) != runs_up(b, edges[e]);
+    neighbours[a][known[a]++] = {b, alike};
+    neighbours[b][known[b]++] = {a, alike};
+  }
+
+  std::vector<signed char> turn(shell.triangles.size(), 0);  // +1 as it is, −1 reversed
+  std::vector<std::int32_t> front = {0};
+  turn[0] = 1;
+  std::size_t kept = 0;
+  for (std::size_t next = 0; next < front.size(); ++next) {
+    const std::int32_t t = front[next];
+    kept += turn[t] > 0;
+    for (const Neighbour& n : neighbours[t]) {
+      const auto wanted = static_cast<signed char>(n.alike ? turn[t] : -turn[t]);
+      if (turn[n.triangle] == 0) {
+        turn[n.triangle] = wanted;
+        front.push_back(n.triangle);
+      } else if (turn[n.triangle] != wanted) {
+        return false;
+      }
+    }
+  }
+  const signed char reversed = 2 * kept >= shell.triangles.size() ? -1 : 1;
+  for (std::size_t t = 0; t < turn.size(); ++t)
+    if (turn[t] == reversed) std::swap(shell.triangles[t][1], shell.triangles[t][2]);
+  return true;
+}
+
+void turn_over(TriangleMesh& mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
 double signed_volume(const TriangleMesh& mesh) {

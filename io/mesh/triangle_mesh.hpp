@@ -29,6 +29,13 @@ inline constexpr double largest_coordinate = 1e9;
 /// seams (OBJ) or for every triangle (STL).
 void weld(TriangleMesh& mesh);
 
+/// As above for vertices up to `tolerance` apart [m], also through others in between. The mesh
+/// must be welded already.
+void weld(TriangleMesh& mesh, double tolerance);
+
+/// True if every edge belongs to exactly two triangles.
+bool is_closed(const TriangleMesh& mesh);
+
 /// Throws InputError unless the surface has triangles and every edge belongs to
 /// exactly two of them. `where` names the file. The mesh must be welded.
 void require_closed(const TriangleMesh& mesh, const std::string& where);
@@ -37,11 +44,22 @@ void require_closed(const TriangleMesh& mesh, const std::string& where);
 /// its own: a solid has one outer shell, and one more for every hollow.
 std::vector<TriangleMesh> shells(const TriangleMesh& mesh);
 
+/// Turns the triangles of a closed mesh of one shell so that any two at an edge run along it
+/// in opposite directions: the way that most of them turn already. False if there is no
+/// such way, as for a Klein bottle.
+bool turn_alike(TriangleMesh& shell);
+
+/// Reverses every triangle.
+void turn_over(TriangleMesh& mesh);
+
 /// Volume that a closed mesh encloses, negative if its triangles turn clockwise
 /// seen from outside [m³].
 double signed_volume(const TriangleMesh& mesh);
 
 /// Bounds of the vertices; the mesh must have some.
 Bounds bounds(const TriangleMesh& mesh);
+
+/// "(x, y, z)" for messages.
+std::string point_text(const Vec3& x);
 
 }  // namespace firn

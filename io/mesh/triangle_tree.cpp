@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/mesh/triangle_tree.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace firn {
 
@@ -28,7 +30,55 @@ double distance_squared(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3&
   return std::min(to_edges, (ax - (u / determinant) * ab - (v / determinant) * ac).squaredNorm());
 }
 
+Vec3 nearest_point(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = (b - a).cross(c - a);
+  const double size = n.squaredNorm();
+  if (size > 0) {
+    const Vec3 foot = x - (x - a).dot(n) / size * n;
+    const auto side = [&](const Vec3& p, const Vec3& q) {
+      return (q - p).cross(foot - p).dot(n) >= 0;
+    };
+    if (side(a, b) && side(b, c) && side(c, a)) return foot;
+  }
+  Vec3 nearest = a;
+  for (const auto& [p, q] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+    const Vec3 d = q - p;
+    const double length_squared = d.squaredNorm();
+    const double s = length_squared > 0 ? (x - p).dot(d) / length_squared : 0;
+    const Vec3 foot = p + std::min(std::max(s, 0.0), 1.0) * d;
+    if ((x - foot).squaredNorm() < (x - nearest).squaredNorm()) nearest = foot;
+  }
+  return nearest;
+}
+
 namespace {
+
+/// True if the ray from x along d enters the box before `reach`.
+bool meets(const Vec3& x, const Vec3& d, double reach, const Bounds& box) {
+  double enter = 0, leave = reach;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (d[axis] == 0) {
+      if (x[axis] < box.min[axis] || x[axis] > box.max[axis]) return false;
+      continue;
+    }
+    const double s1 = (box.min[axis] - x[axis]) / d[axis];
+    const double s2 = (box.max[axis] - x[axis]) / d[axis];
+    enter = std::max(enter, std::min(s1, s2));
+    leave = std::min(leave, std::max(s1, s2));
+  }
+  return enter <= leave;
+}
+
+/// Distance along d at which the ray from x meets abc; negative if it does not
+/// (Möller and Trumbore 1997).
+double distance_along(const Vec3& x, const Vec3& d, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, p = d.cross(ac);
+  const double determinant = ab.dot(p);
+  if (determinant == 0) return -1;
+  const Vec3 ax = x - a, q = ax.cross(ab);
+  const double u = ax.dot(p) / determinant, v = d.dot(q) / determinant;
+  return u >= 0 && v >= 0 && u + v <= 1 ? ac.dot(q) / determinant : -1;
+}
 
 double distance_squared(const Vec3& x, const Bounds& box) {
   return (box.min - x).cwiseMax(x - box.max).cwiseMax(0.0).squaredNorm();
@@ -109,6 +159,28 @@ void TriangleTree::search(std::int32_t index, const Vec3& x, Found& found) const
   }
   for (int side = 0; side < 2; ++side)
     if (gap[side] < found.distance_squared) search(child[side], x, found);
+}
+
+TriangleTree::Hit TriangleTree::first_hit(const Vec3& x, const Vec3& d, double reach,
+                                          std::int32_t skipped) const {
+  Hit hit{-1, reach};
+  if (!nodes_.empty()) cast(0, x, d, skipped, hit);
+  return hit;
+}
+
+void TriangleTree::cast(std::int32_t index, const Vec3& x, const Vec3& d, std::int32_t skipped,
+                        Hit& hit) const {
+  const Node& node = nodes_[index];
+  if (!meets(x, d, hit.distance, node.box)) return;
+  for (std::int32_t t = node.first; t < node.first + node.count; ++t) {
+    if (order_[t] == skipped) continue;
+    const auto& [a, b, c] = mesh_.triangles[order_[t]];
+    const double s = distance_along(x, d, mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]);
+    if (s >= 0 && s < hit.distance) hit = {order_[t], s};
+  }
+  if (node.count > 0) return;
+  cast(index + 1, x, d, skipped, hit);
+  cast(node.first, x, d, skipped, hit);
 }
 
 }  // namespace firn

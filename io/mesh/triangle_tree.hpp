@@ -12,6 +12,9 @@ namespace firn {
 /// degenerate (Ericson, Real-Time Collision Detection, §5.1.5).
 double distance_squared(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
 
+/// The point of the triangle abc nearest to x.
+Vec3 nearest_point(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c);
+
 class TriangleTree {
  public:
   /// The mesh must outlive the tree.
@@ -22,6 +25,21 @@ class TriangleTree {
   /// answer for a point next to x: the better the guess, the faster the search.
   /// It becomes the triangle found.
   double distance(const Vec3& x, std::int32_t& nearest) const;
+
+  /// Calls visit(triangle) for every triangle whose box meets the ray from x along +z.
+  template <class Visit>
+  void for_each_above(const Vec3& x, Visit visit) const {
+    if (!nodes_.empty()) visit_above(0, x, visit);
+  }
+
+  struct Hit {
+    std::int32_t triangle = -1;  ///< −1: none
+    double distance = 0;         ///< [m]
+  };
+
+  /// The first triangle other than `skipped` that the ray from x along the unit vector d
+  /// meets within `reach`. A ray through an edge may pass between the triangles there.
+  Hit first_hit(const Vec3& x, const Vec3& d, double reach, std::int32_t skipped) const;
 
  private:
   struct Node {
@@ -38,6 +56,20 @@ class TriangleTree {
     std::int32_t triangle;
   };
   void search(std::int32_t node, const Vec3& x, Found& found) const;
+
+  template <class Visit>
+  void visit_above(std::int32_t index, const Vec3& x, Visit& visit) const {
+    const Node& node = nodes_[index];
+    const Bounds& box = node.box;
+    if (x[0] < box.min[0] || x[0] > box.max[0] || x[1] < box.min[1] || x[1] > box.max[1] ||
+        x[2] > box.max[2])
+      return;
+    for (std::int32_t t = node.first; t < node.first + node.count; ++t) visit(order_[t]);
+    if (node.count > 0) return;
+    visit_above(index + 1, x, visit);
+    visit_above(node.first, x, visit);
+  }
+  void cast(std::int32_t node, const Vec3& x, const Vec3& d, std::int32_t skipped, Hit& hit) const;
 
   const TriangleMesh& mesh_;
   std::vector<std::int32_t> order_;  // triangles, so that every leaf's are neighbours

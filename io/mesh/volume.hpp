@@ -44,6 +44,6 @@ struct LevelSet {
   TriangleMesh surface;  ///< {φ = 0}, meshed
 };
 
-LevelSet read_level_set(const std::string& path);
+LevelSet read_level_set(const std::string& path, const std::string& grid);
 
 }  // namespace firn

@@ -21,6 +21,6 @@ void count_inside(const TriangleMesh&, const SampleGrid&, int, std::vector<std::
   refuse(where);
 }
 
-LevelSet read_level_set(const std::string& path) { refuse(path); }
+LevelSet read_level_set(const std::string& path, const std::string&) { refuse(path); }
 
 }  // namespace firn

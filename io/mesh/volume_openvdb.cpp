@@ -2,6 +2,7 @@
 // The only file that includes OpenVDB.
 
 #include <array>
+#include <cmath>
 #include <exception>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
@@ -10,6 +11,7 @@
 
 #include "firn/error.hpp"
 #include "io/mesh/mesh_shape.hpp"
+#include "io/mesh/mesh_text.hpp"
 #include "io/mesh/volume.hpp"
 
 namespace firn {
@@ -53,17 +55,26 @@ void count_inside(const TriangleMesh& shell, const SampleGrid& grid, int amount,
 
 namespace {
 
-openvdb::FloatGrid::Ptr first_level_set(const std::string& path) {
+constexpr std::size_t longest_name = 80;  // in messages
+
+/// The level set of this name, or the first one if there is none to find.
+openvdb::FloatGrid::Ptr find_level_set(const std::string& path, const std::string& wanted) {
   openvdb::initialize();
   openvdb::io::File file(path);
   file.open(false);  // read at once: a file that changes later would crash the program
+  std::string known;
   for (auto name = file.beginName(); name != file.endName(); ++name) {
     const auto metadata = file.readGridMetadata(*name);
-    if (metadata->isType<openvdb::FloatGrid>() &&
-        metadata->getGridClass() == openvdb::GRID_LEVEL_SET)
+    if (!metadata->isType<openvdb::FloatGrid>() ||
+        metadata->getGridClass() != openvdb::GRID_LEVEL_SET)
+      continue;
+    if (wanted.empty() || *name == wanted)
       return openvdb::gridPtrCast<openvdb::FloatGrid>(file.readGrid(*name));
+    known += (known.empty() ? "" : ", ") + firn::quoted(*name, longest_name);
   }
-  throw InputError(path, "grids", "no level set of floats", "at least one; the first is used");
+  if (known.empty()) throw InputError(path, "grids", "no level set of floats", "at least one");
+  throw InputError(path, "level set", firn::quoted(wanted, longest_name),
+                   "the file's level sets, " + known);
 }
 
 /// Edge of the voxels [m], which must be cubes along the axes.
@@ -98,14 +109,52 @@ TriangleMesh surface_of(const openvdb::FloatGrid& volume) {
   return mesh;
 }
 
+std::string voxel_text(const openvdb::Coord& voxel) {
+  return "voxel (" + std::to_string(voxel[0]) + ", " + std::to_string(voxel[1]) + ", " +
+         std::to_string(voxel[2]) + ")";
+}
+
+/// Every value is finite, and neighbours of opposite sign lie on either side of a surface between
+/// them. In a file whose inside was never flooded the sign changes where the band ends.
+void require_signed_distances(const LevelSet& level_set, const openvdb::Coord& corner,
+                              const std::string& path) {
+  const SampleGrid& grid = level_set.grid;
+  const std::array<std::size_t, 3> stride{grid.index(1, 0, 0), grid.index(0, 1, 0), 1};
+  // Distances differ by at most one voxel; fields that are distances only roughly by some more.
+  const double steepest = 1.5 * grid.spacing;
+  for (int i = 0; i < grid.size[0]; ++i)
+    for (int j = 0; j < grid.size[1]; ++j)
+      for (int k = 0; k < grid.size[2]; ++k) {
+        const std::size_t here = grid.index(i, j, k);
+        const float phi = level_set.phi[here];
+        if (!std::isfinite(phi))
+          throw InputError(path, voxel_text(corner.offsetBy(i, j, k)),
+                           std::isnan(phi) ? "nan" : to_text(phi), "finite distances");
+        const std::array<int, 3> at{i, j, k};
+        for (int axis = 0; axis < 3; ++axis) {
+          if (at[axis] == 0) continue;
+          const float before = level_set.phi[here - stride[axis]];
+          if ((phi > 0) == (before > 0) || !(std::abs(double(phi) - before) > steepest)) continue;
+          throw InputError(
+              path,
+              "change of sign to " + voxel_text(corner.offsetBy(i, j, k)) + " from its neighbour",
+              "a jump by " + to_text(std::abs(double(phi) - before)) + " m",
+              "at most " + to_text(steepest) +
+                  " m, 1.5 voxels (an inside that was never flooded with negative values?)");
+        }
+      }
+}
+
 }  // namespace
 
-LevelSet read_level_set(const std::string& path) try {
-  const openvdb::FloatGrid::Ptr volume = first_level_set(path);
+LevelSet read_level_set(const std::string& path, const std::string& grid) try {
+  const openvdb::FloatGrid::Ptr volume = find_level_set(path, grid);
   const openvdb::CoordBBox box = volume->evalActiveVoxelBoundingBox();
-  if (box.empty() || !(volume->background() > 0))
-    throw InputError(path, "level set", "one without a surface or with a background <= 0",
-                     "a surface within a narrow band");
+  if (box.empty())
+    throw InputError(path, "level set", "one without active voxels", "a narrow band of them");
+  if (!(volume->background() > 0) || !std::isfinite(volume->background()))
+    throw InputError(path, "background of the level set", to_text(volume->background()),
+                     "finite, above 0");
 
   LevelSet level_set;
   level_set.grid.spacing = voxel_edge(*volume, path);
@@ -125,6 +174,7 @@ LevelSet read_level_set(const std::string& path) try {
     for (int j = 0; j < level_set.grid.size[1]; ++j)
       for (int k = 0; k < level_set.grid.size[2]; ++k)
         level_set.phi.push_back(values.getValue(corner.offsetBy(i, j, k)));
+  require_signed_distances(level_set, corner, path);
   level_set.surface = surface_of(*volume);
   return level_set;
 } catch (const InputError&) {

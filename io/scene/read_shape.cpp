@@ -48,15 +48,16 @@ HalfSpace read_half_space(const TomlTable& table) {
 template <class Load>
 Shape loaded(const TomlTable& table, const std::string& source, Load load) {
   try {
-    SampledShape shape = std::get<SampledShape>(load());
-    shape.source = source;
+    Shape shape = load();
+    if (auto* solid = std::get_if<SolidShape>(&shape)) solid->source = source;
+    if (auto* samples = std::get_if<SampledShape>(&shape)) samples->source = source;
     return shape;
   } catch (const InputError& error) {
     throw InputError(table.where("file") + ": " + error.what());
   }
 }
 
-Shape read_mesh_shape(const TomlTable& table, const SceneContext& context) {
+Shape read_mesh_shape(const TomlTable& table, ShapeUse use, const SceneContext& context) {
   table.allow_only({"type", "file", "scale", "translate"});
   const std::string file = shape_file(table, context);
   const double scale = table.number_or("scale", positive(1e9), 1);
@@ -65,15 +66,22 @@ Shape read_mesh_shape(const TomlTable& table, const SceneContext& context) {
                              ", scale = " + toml_number(scale) +
                              ", translate = " + toml_vector(translate) + " }";
   return loaded(table, source, [&] {
-    return load_mesh_shape(file, scale, translate, context.scene.grid.spacing);
+    return use == ShapeUse::body
+               ? load_mesh_solid(file, scale, translate)
+               : load_mesh_shape(file, scale, translate, context.scene.grid.spacing);
   });
 }
 
 Shape read_level_set(const TomlTable& table, const SceneContext& context) {
-  table.allow_only({"type", "file"});
+  table.allow_only({"type", "file", "grid"});
   const std::string file = shape_file(table, context);
-  const std::string source = "{ type = \"level-set\", file = " + toml_string(file) + " }";
-  return loaded(table, source, [&] { return load_level_set_shape(file); });
+  const std::string grid = table.has("grid") ? table.text("grid") : "";
+  if (table.has("grid") && (grid.empty() || grid.size() > 256 || one_line(grid) != grid))
+    table.refuse("grid", "not a name that a scene can store",
+                 "1 to 256 bytes of printable UTF-8; without this key the first level set");
+  const std::string named = grid.empty() ? "" : ", grid = " + toml_string(grid);
+  const std::string source = "{ type = \"level-set\", file = " + toml_string(file) + named + " }";
+  return loaded(table, source, [&] { return load_level_set_shape(file, grid); });
 }
 
 constexpr const char* body_shapes = "\"sphere\", \"box\", \"cylinder\", \"mesh\", \"particles\"";
@@ -114,7 +122,7 @@ Shape read_shape(const TomlTable& table, ShapeUse use, const SceneContext& conte
   if (type == "box") return read_box(table);
   if (type == "cylinder") return read_cylinder(table);
   if (type == "half-space") return read_half_space(table);
-  if (type == "mesh") return read_mesh_shape(table, context);
+  if (type == "mesh") return read_mesh_shape(table, use, context);
   if (type == "level-set") return read_level_set(table, context);
   table.refuse("type", "unknown value", allowed);
 }

@@ -29,10 +29,14 @@ struct ShapeWriter {
     out << "{ type = \"half-space\", point = " << toml_vector(s.point)
         << ", normal = " << toml_vector(s.normal) << " }";
   }
-  void operator()(const SampledShape& s) const {
-    if (s.source.empty())
-      throw InputError("scene", "a sampled shape", "one made in memory", "one read from a file");
-    out << s.source;
+  void operator()(const SampledShape& s) const { write_source(s.source); }
+  void operator()(const SolidShape& s) const { write_source(s.source); }
+
+  void write_source(const std::string& source) const {
+    if (source.empty())
+      throw InputError("scene", "a shape from a file", "one made in memory",
+                       "one read from a file");
+    out << source;
   }
 };
 

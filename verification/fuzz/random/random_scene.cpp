@@ -103,14 +103,15 @@ class Draw {
     }
   }
 
-  /// A solid of `cells` across, or thereabouts.
-  Shape shape(double low, double high) {
+  /// A solid of `cells` across, or thereabouts; a mesh known exactly if it is for a body.
+  Shape shape(double low, double high, bool solid = false) {
     const Vec3 x = near(3);
     const auto size = [&] { return h_ * dice_.uniform(low, high); };
     if (!options_.mesh_file.empty() && dice_.chance(0.05)) {
       const double scale = size();
-      Shape mesh = load_mesh_shape(options_.mesh_file, scale, x, h_);
-      std::get<SampledShape>(mesh).source =
+      Shape mesh = solid ? load_mesh_solid(options_.mesh_file, scale, x)
+                         : load_mesh_shape(options_.mesh_file, scale, x, h_);
+      (solid ? std::get<SolidShape>(mesh).source : std::get<SampledShape>(mesh).source) =
           "{ type = \"mesh\", file = \"" + options_.mesh_file + "\", scale = " + to_text(scale) +
           ", translate = [" + to_text(x[0]) + ", " + to_text(x[1]) + ", " + to_text(x[2]) + "] }";
       return mesh;
@@ -137,7 +138,7 @@ class Draw {
   Body body() {
     Body b;
     b.material = dice_.integer(0, static_cast<int>(scene_.materials.size()) - 1);
-    b.shape = shape(1, 4);
+    b.shape = shape(1, 4, true);
     b.sampling = static_cast<Sampling>(dice_.integer(0, 2));  // lattice, jittered, poisson
     const int side = dice_.integer(1, 3);
     b.particles_per_cell =

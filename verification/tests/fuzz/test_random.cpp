@@ -82,7 +82,7 @@ TEST(RandomScenes, CoverTheSceneSpace) {
                               "no hardening",   "auxetic",
                               "several bodies", "body 0",
                               "body 1",         "body 2",
-                              "body 4",         "sampling 0",
+                              "body 5",         "sampling 0",
                               "sampling 1",     "sampling 2",
                               "exact",          "estimated",
                               "spin",           "several colliders",

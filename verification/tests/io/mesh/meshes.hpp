@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "firn/error.hpp"
 #include "io/mesh/triangle_mesh.hpp"
@@ -54,6 +55,46 @@ inline std::string obj_text(const TriangleMesh& mesh) {
     text += "f " + std::to_string(t[0] + 1) + " " + std::to_string(t[1] + 1) + " " +
             std::to_string(t[2] + 1) + "\n";
   return text;
+}
+
+/// A closed profile of points (radius, z), counterclockwise with z up, turned about the z axis in
+/// n steps. Points on the axis become one vertex each by weld().
+inline TriangleMesh revolved(const std::vector<std::pair<double, double>>& profile, int n) {
+  TriangleMesh mesh;
+  const int m = static_cast<int>(profile.size());
+  for (int i = 0; i < n; ++i)
+    for (const auto& [r, z] : profile) {
+      const double angle = 2 * 3.14159265358979323846 * i / n;
+      mesh.vertices.emplace_back(r * std::cos(angle), r * std::sin(angle), z);
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < m; ++j) {
+      const int a = i * m + j, b = i * m + (j + 1) % m;
+      const int c = (i + 1) % n * m + j, d = (i + 1) % n * m + (j + 1) % m;
+      mesh.triangles.push_back({a, c, d});
+      mesh.triangles.push_back({a, d, b});
+    }
+  weld(mesh);
+  return mesh;
+}
+
+/// A box of 12 triangles.
+inline TriangleMesh box_mesh(const Vec3& min, const Vec3& max) {
+  TriangleMesh mesh;
+  for (int corner = 0; corner < 8; ++corner)
+    mesh.vertices.emplace_back(corner & 1 ? max[0] : min[0], corner & 2 ? max[1] : min[1],
+                               corner & 4 ? max[2] : min[2]);
+  mesh.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
+  return mesh;
+}
+
+/// All triangles of `other` as further parts of `mesh`.
+inline void append_mesh(TriangleMesh& mesh, const TriangleMesh& other) {
+  const auto first = static_cast<std::int32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const auto& [a, b, c] : other.triangles)
+    mesh.triangles.push_back({first + a, first + b, first + c});
 }
 
 /// A cube [0,1]³ of quadrilaterals.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Level-set files as shapes.
 
+#include <cmath>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <limits>
 
 #include "firn/sampled_distance.hpp"
 #include "io/mesh/mesh_shape.hpp"
@@ -52,6 +54,45 @@ TEST(LevelSet, IsTheFirstInItsFile) {
   EXPECT_NEAR(signed_distance(load_level_set_shape(file.path()), Vec3(radius, 0, 0)), 0, s * s);
 }
 
+TEST(LevelSet, IsFoundByName) {
+  const TemporaryFile file("named.vdb", "");
+  write_vdb_named(file.path(), radius, s);
+  const auto at_surface = [&](const std::string& name, double r) {
+    return signed_distance(load_level_set_shape(file.path(), name), Vec3(r, 0, 0));
+  };
+  EXPECT_NEAR(at_surface("", radius), 0, s * s);
+  EXPECT_NEAR(at_surface("ball", radius), 0, s * s);
+  EXPECT_NEAR(at_surface("pearl", radius / 2), 0, s * s);
+  for (const char* name : {"mist", "Ball", "box"})
+    EXPECT_EQ(input_error([&] { load_level_set_shape(file.path(), name); }),
+              file.path() + ": level set: got \"" + name +
+                  "\", allowed: the file's level sets, \"ball\", \"pearl\"");
+}
+
+TEST(LevelSet, ValuesThatAreNotFiniteAreRefused) {
+  const TemporaryFile file("nan.vdb", "");
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float value : {std::nanf(""), -std::nanf(""), infinity, -infinity})
+    for (const int i : {13, 12, 2}) {  // beside the surface, in it, and deep inside
+      write_vdb_with_value(file.path(), radius, s, i, value);
+      EXPECT_THAT(
+          input_error([&] { load_level_set_shape(file.path()); }),
+          testing::StartsWith(file.path() + ": voxel (" + std::to_string(i) + ", 0, 0): got "))
+          << value;
+    }
+}
+
+TEST(LevelSet, SignsThatJumpAreRefused) {
+  const TemporaryFile file("jump.vdb", "");
+  write_vdb_unflooded(file.path(), radius, s);
+  EXPECT_THAT(input_error([&] { load_level_set_shape(file.path()); }),
+              testing::AllOf(HasSubstr("change of sign to voxel ("), HasSubstr("never flooded")));
+  // One wrong sign in the band; the voxel at 14 s is 2 s outside.
+  write_vdb_with_value(file.path(), radius, s, 14, static_cast<float>(-2 * s));
+  EXPECT_THAT(input_error([&] { load_level_set_shape(file.path()); }),
+              HasSubstr("change of sign to voxel (14, 0, 0) from its neighbour: got a jump by"));
+}
+
 TEST(LevelSet, RefusalsNameTheFileAndTheReason) {
   const auto error = [](void (*write)(const std::string&)) {
     const TemporaryFile file("bad.vdb", "");
@@ -63,7 +104,7 @@ TEST(LevelSet, RefusalsNameTheFileAndTheReason) {
   EXPECT_THAT(error(write_vdb_fog), HasSubstr("no level set of floats"));
   EXPECT_THAT(error(write_vdb_stretched), HasSubstr("cubes along the axes"));
   EXPECT_THAT(error(write_vdb_turned), HasSubstr("cubes along the axes"));
-  EXPECT_THAT(error(write_vdb_empty), HasSubstr("without a surface"));
+  EXPECT_THAT(error(write_vdb_empty), HasSubstr("without active voxels"));
   const TemporaryFile text("text.vdb", "this is not a VDB file");
   EXPECT_THAT(input_error([&] { load_level_set_shape(text.path()); }),
               HasSubstr("OpenVDB cannot read this file"));

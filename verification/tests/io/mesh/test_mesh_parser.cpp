@@ -91,7 +91,7 @@ TEST(Obj, RefusesWithFileAndLine) {
     return input_error([&] { parse_obj(text, "snow.obj"); });
   };
   EXPECT_EQ(error("v 0 0 0\nv 1 0\n"),
-            "snow.obj:2: coordinate: got \"\", allowed: numbers from -1e+09 to 1e+09");
+            "snow.obj:2: coordinate: got none, allowed: three, x, y and z");
   EXPECT_THAT(error("v 0 0 nan\n"), HasSubstr("snow.obj:1: coordinate: got \"nan\""));
   EXPECT_THAT(error("v 0 inf 0\n"), HasSubstr("got \"inf\""));
   EXPECT_THAT(error("v 0 1e10 0\n"), HasSubstr("got \"1e10\""));
@@ -102,12 +102,55 @@ TEST(Obj, RefusesWithFileAndLine) {
               HasSubstr("snow.obj:4: vertex of a face: got \"4\", allowed: 1 to 3"));
   EXPECT_THAT(error("v 0 0 0\nf 1 1 0\n"), HasSubstr("got \"0\""));
   EXPECT_THAT(error("v 0 0 0\nf 1 1 -2\n"), HasSubstr("got \"-2\""));
-  EXPECT_THAT(error("v 0 0 0\nf 1 1\n"), HasSubstr("got \"\", allowed"));
+  EXPECT_THAT(error("v 0 0 0\nf 1 1\n"),
+              HasSubstr("snow.obj:2: corners of a face: got 2, allowed: at least 3"));
+  EXPECT_THAT(error("f 1 2 3\n"), HasSubstr("got \"1\", allowed: none, as no vertex"));
   EXPECT_THAT(error("v 0 0 0\nf 1 1 1.5\n"), HasSubstr("got \"1.5\""));
   EXPECT_THAT(error("v 0 0 0\nf 1 1 99999999999999999999\n"), HasSubstr("vertex of a face"));
   EXPECT_THAT(error("# fine\n\nsurf 0 1\n"), HasSubstr("snow.obj:3: statement: got \"surf\""));
   EXPECT_THAT(error(std::string("\x1b[2J\0garbage", 12)), HasSubstr("got \"?[2J?garbage\""));
   EXPECT_THAT(error(std::string(100, 'x')), HasSubstr(std::string(32, 'x') + "…"));
+}
+
+TEST(Obj, CommentsEndWithTheirLine) {
+  expect_cube(parse_obj("# exported to D:\\models\\\n" + std::string(cube_obj)));
+  expect_cube(parse_obj("v 0 0 0 # D:\\\n" + std::string(cube_obj).substr(8)));
+  std::string text = cube_obj;  // a line joined to one with a comment ends there
+  text.replace(text.find("f 4 3 2 1\n"), 10, "f 4 3 \\\n2 1 # \\\n");
+  expect_cube(parse_obj(text));
+}
+
+TEST(Obj, PassesOverAByteOrderMark) {
+  expect_cube(parse_obj("\xef\xbb\xbf" + std::string(cube_obj)));
+  for (const char* mark : {"\xff\xfe", "\xfe\xff"})
+    EXPECT_EQ(input_error([&] { parse_obj(mark + std::string(cube_obj), "snow.obj"); }),
+              "snow.obj: encoding: got UTF-16, allowed: ASCII or UTF-8");
+}
+
+TEST(Stl, PassesOverAByteOrderMark) {
+  const std::string text = ascii_stl(parse_obj(cube_obj));
+  expect_cube(parse_stl("\xef\xbb\xbf" + text));
+  EXPECT_EQ(input_error([&] { parse_stl(std::string("\xff\xfes\0o\0", 6) + text, "snow.stl"); }),
+            "snow.stl: encoding: got UTF-16, allowed: ASCII or UTF-8");
+}
+
+TEST(Stl, BinaryOfAnotherSizeThanItsCountAsksFor) {
+  const auto error = [](const std::string& bytes) {
+    return input_error([&] { parse_stl(bytes, "snow.stl"); });
+  };
+  for (const char* header : {"", "solid in name only", "exported by a program"}) {
+    const std::string bytes = binary_stl(parse_obj(cube_obj), header);
+    EXPECT_EQ(
+        error(bytes + "123456"),
+        "snow.stl: bytes of a binary STL: got 690, allowed: 684, for the 12 triangles that it "
+        "counts");
+    EXPECT_THAT(error(bytes.substr(0, 683)), HasSubstr("got 683, allowed: 684"));
+    EXPECT_THAT(error(bytes.substr(0, 84)), HasSubstr("got 84, allowed: 684"));
+  }
+  EXPECT_THAT(error(std::string(40, '\0')), HasSubstr("got 40, allowed: at least 84"));
+  // Text that no binary file begins with is told what is wrong with the text.
+  EXPECT_THAT(error(ascii_stl(parse_obj(cube_obj)) + std::string(3, '\0')),
+              HasSubstr("allowed: \"solid\""));
 }
 
 TEST(Stl, ReadsText) { expect_cube(parse_stl(ascii_stl(parse_obj(cube_obj)))); }
@@ -134,7 +177,7 @@ TEST(Stl, RefusesWithTheReason) {
   EXPECT_THAT(error("solid\nfacet\nvertex 0 0 0\n"),
               HasSubstr("snow.stl:3: line: got \"vertex 0 0 0\", allowed: \"outer loop\""));
   EXPECT_THAT(error("solid\nfacets\n"), HasSubstr("allowed: \"facet\""));
-  EXPECT_THAT(error("solid\n"), HasSubstr("allowed: \"facet\""));  // ends within a solid
+  EXPECT_THAT(error("solid\n"), HasSubstr("got the end of the file, allowed: \"facet\""));
   EXPECT_THAT(error("hello\n"), HasSubstr("snow.stl:1: line: got \"hello\", allowed: \"solid\""));
   std::string bytes = binary_stl(parse_obj(cube_obj));
   EXPECT_THAT(error(bytes.substr(0, bytes.size() - 1)), HasSubstr("snow.stl"));  // cut short

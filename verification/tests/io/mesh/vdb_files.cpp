@@ -43,6 +43,31 @@ void write_vdb_fog_and_sphere(const std::string& path, double radius, double s) 
   write(path, {fog(), sphere(Vec3::Zero(), radius, s)});
 }
 
+void write_vdb_named(const std::string& path, double radius, double s) {
+  const auto ball = sphere(Vec3::Zero(), radius, s), pearl = sphere(Vec3::Zero(), radius / 2, s);
+  const auto mist = fog();
+  ball->setName("ball");
+  pearl->setName("pearl");
+  mist->setName("mist");
+  write(path, {mist, ball, pearl});
+}
+
+void write_vdb_with_value(const std::string& path, double radius, double s, int i, float value) {
+  const auto volume = sphere(Vec3::Zero(), radius, s);
+  volume->tree().setValue(openvdb::Coord(i, 0, 0), value);
+  write(path, {volume});
+}
+
+void write_vdb_unflooded(const std::string& path, double radius, double s) {
+  const auto whole = sphere(Vec3::Zero(), radius, s);
+  const auto volume = FloatGrid::create(whole->background());
+  volume->setTransform(whole->transform().copy());
+  volume->setGridClass(openvdb::GRID_LEVEL_SET);
+  for (auto value = whole->cbeginValueOn(); value; ++value)
+    volume->tree().setValue(value.getCoord(), *value);
+  write(path, {volume});
+}
+
 void write_vdb_fog(const std::string& path) { write(path, {fog()}); }
 
 void write_vdb_stretched(const std::string& path) {

@@ -14,6 +14,15 @@ void write_vdb_sphere(const std::string& path, const Vec3& center, double radius
 /// As above, with a fog volume before the level set, to be passed over.
 void write_vdb_fog_and_sphere(const std::string& path, double radius, double s);
 
+/// Spheres called "ball" and "pearl" of half the radius, and a fog called "mist".
+void write_vdb_named(const std::string& path, double radius, double s);
+
+/// A sphere with one value at (i,0,0) replaced.
+void write_vdb_with_value(const std::string& path, double radius, double s, int i, float value);
+
+/// A sphere whose inside beyond the band is positive, as in a file that was never flooded.
+void write_vdb_unflooded(const std::string& path, double radius, double s);
+
 /// No level set at all.
 void write_vdb_fog(const std::string& path);
 
