@@ -11,7 +11,9 @@
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
 #include "firn/machine.hpp"
+#include "firn/sampling.hpp"
 #include "simulation/simulate.hpp"
+#include "simulation/start_notes.hpp"
 
 namespace firn::cli {
 
@@ -139,10 +141,20 @@ void print_summary(const RunResult& result, const std::filesystem::path& out,
       d.gravitational_energy);
 }
 
+/// The particles at t = 0; a run that begins there tells what is odd about them.
+std::size_t count_particles(const Scene& scene, const RunArguments& arguments) {
+  std::vector<std::size_t> counts;
+  const Particles particles = sample_bodies(scene, counts);
+  if (arguments.resume.empty())
+    for (const std::string& note : start_notes(scene, particles, counts))
+      fmt::print(stderr, "firn: note: {}\n", note);
+  return particles.size();
+}
+
 int run_run(const RunArguments& arguments, Context& context) {
   check_ranges(arguments);
   const Scene scene = arguments.scene->read();
-  const std::size_t count = sample_bodies(scene).size();
+  const std::size_t count = count_particles(scene, arguments);
   RunOptions options = run_options(arguments, count, context);
   const auto solver = arguments.solver->create(context.registry, count);
 

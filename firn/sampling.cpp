@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "firn/sampling.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -9,7 +11,6 @@
 #include "firn/error.hpp"
 #include "firn/poisson.hpp"
 #include "firn/random.hpp"
-#include "firn/scene.hpp"
 
 namespace firn {
 
@@ -177,12 +178,14 @@ Particles particles_from_file(const Body& body) {
 
 }  // namespace
 
-Particles sample_bodies(const Scene& scene) {
+Particles sample_bodies(const Scene& scene, std::vector<std::size_t>& counts) {
   Particles all;
+  counts.clear();
   for (const Body& body : scene.bodies) {
     Particles particles =
         body.sampling == Sampling::from_file ? particles_from_file(body) : sample_body(scene, body);
     for (std::int32_t& material : particles.material) material = body.material;
+    counts.push_back(particles.size());
     all.append(particles);
   }
   for (std::size_t p = 0; p < all.size(); ++p) {
@@ -190,6 +193,11 @@ Particles sample_bodies(const Scene& scene) {
     all.id[p] = static_cast<std::int64_t>(p);
   }
   return all;
+}
+
+Particles sample_bodies(const Scene& scene) {
+  std::vector<std::size_t> counts;
+  return sample_bodies(scene, counts);
 }
 
 }  // namespace firn
