@@ -12,6 +12,8 @@
 #include "bench/statistics.hpp"
 #include "bench/timing.hpp"
 #include "firn/error.hpp"
+#include "firn/interruption.hpp"
+#include "firn/memory.hpp"
 #include "io/output_path.hpp"
 #include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
@@ -22,15 +24,27 @@ namespace {
 
 volatile std::sig_atomic_t stop_asked = 0;
 
-/// For the time of a run, SIGINT and SIGTERM ask for a stop between repetitions.
+/// The program ends itself after a signal; a test that raises one does not.
+bool ends_program = false;
+
+void stop_or_end(int /*signal*/) {
+  if (stop_asked != 0) interruption::end_now();
+  stop_asked = 1;
+  if (ends_program) interruption::end_soon();
+}
+
+/// For the time of a run, SIGINT and SIGTERM ask for a stop between repetitions. A repetition
+/// that takes longer is given up: every finished case is in the file.
 class StopOnSignal {
  public:
   StopOnSignal() {
     stop_asked = 0;
-    before_int_ = std::signal(SIGINT, [](int) { stop_asked = 1; });
-    before_term_ = std::signal(SIGTERM, [](int) { stop_asked = 1; });
+    before_int_ = std::signal(SIGINT, stop_or_end);
+    before_term_ = std::signal(SIGTERM, stop_or_end);
+    ends_program = before_int_ != SIG_DFL;
   }
   ~StopOnSignal() {
+    interruption::ended_in_order();
     std::signal(SIGINT, before_int_);
     std::signal(SIGTERM, before_term_);
   }
@@ -111,9 +125,28 @@ void judge(results::Case& result) {
   }
 }
 
+/// InputError if the case has more particles than fit into memory.
+void require_memory_for(const results::Case& result, const Registry& registry) {
+  const double* particles = nullptr;
+  std::string solver, precision;
+  for (const auto& [fact, value] : result.parameters) {
+    if (fact == "particles") particles = std::get_if<double>(&value);
+    const auto* text = std::get_if<std::string>(&value);
+    if (text != nullptr && fact == "solver") solver = *text;
+    if (text != nullptr && fact == "precision") precision = *text;
+  }
+  if (particles == nullptr) return;
+  const bool is_ours = registry.find(solver) != nullptr;
+  const Pace pace = is_ours ? registry.traits(solver).pace : Pace::process;
+  require_memory(
+      result.suite + "/" + result.name, *particles,
+      run_bytes_per_particle(pace, precision == "float" ? Precision::float32 : Precision::float64));
+}
+
 /// Runs the case and judges it.
-void run_once(const CasePlan& plan, results::Case& result) {
+void run_once(const CasePlan& plan, results::Case& result, const Registry& registry) {
   try {
+    require_memory_for(result, registry);
     plan.run(result);
     if (result.status == results::Status::measured) judge(result);
   } catch (const std::exception& error) {
@@ -145,7 +178,7 @@ struct Patience {
 };
 constexpr Patience full_patience{4, 20}, quick_patience{2, 1};
 
-void measure(CasePlan& plan, const Patience& patience) {
+void measure(CasePlan& plan, const Patience& patience, const Registry& registry) {
   const results::Case fresh = plan.description;
   results::Case& result = plan.description;
   const double start = seconds_now(), processor_start = processor_seconds();
@@ -154,12 +187,12 @@ void measure(CasePlan& plan, const Patience& patience) {
     for (int i = 0; i < 3; ++i) calibration.push_back(calibration_loop());
   };
   calibrate();
-  run_once(plan, result);
+  run_once(plan, result, registry);
   for (int runs = 1; runs < patience.runs && result.status == results::Status::noisy &&
                      seconds_now() - start < patience.seconds;
        ++runs) {
     results::Case again = fresh;
-    run_once(plan, again);
+    run_once(plan, again, registry);
     add_repetitions(again, result);
   }
   // A number that failed its validation is not kept, so that nobody quotes it.
@@ -248,10 +281,11 @@ int run(const Registry& registry, const Options& options, std::ostream& out, std
     results::Case& result = plan.description;
     if (skipped(result)) continue;
     result.command = command_of(result, options, registry);
+    if (named(options, result)) require_memory_for(result, registry);
     log << "[" << number << "/" << chosen.size() << "] " << result.suite << "/" << result.name
         << ": " << std::flush;
     try {
-      measure(plan, options.quick ? quick_patience : full_patience);
+      measure(plan, options.quick ? quick_patience : full_patience, registry);
       if (interrupted()) throw Interrupted{};
     } catch (const Interrupted&) {
       log << "interrupted; " << file.path() << " holds every finished case\n";

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "cli/progress.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
 
@@ -125,7 +126,9 @@ int run_compare(const CompareArguments& arguments) {
   if (options.time_tolerance && !(*options.time_tolerance >= 0 && *options.time_tolerance < 1e300))
     throw InputError("--time-tolerance", "difference in s", to_text(*options.time_tolerance),
                      "finite, at least 0");
+  std::optional<Waiting> waiting("comparing");
   const TrajectoryComparison comparison = compare_trajectories(arguments.a, arguments.b, options);
+  waiting.reset();
   const bool passed = passes(comparison, arguments.tolerance);
   if (arguments.json)
     print_json(comparison, passed);

@@ -15,17 +15,23 @@
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
 #include "firn/error.hpp"
+#include "firn/interruption.hpp"
 #include "io/hdf5/reading.hpp"
+#include "io/one_line.hpp"
 #include "solvers/solvers.hpp"
 
 namespace {
 
 firn::cli::Context* signal_context = nullptr;
 
-/// First signal: finish the step, write the last good state. Second: the default action.
-extern "C" void on_signal(int signal) {
+extern "C" void on_second_signal(int /*signal*/) { firn::interruption::end_now(); }
+
+/// First signal: finish the step, write the last good state; whoever cannot, is ended soon.
+extern "C" void on_signal(int /*signal*/) {
   signal_context->stop.store(true);
-  std::signal(signal, SIG_DFL);
+  std::signal(SIGINT, on_second_signal);
+  std::signal(SIGTERM, on_second_signal);
+  firn::interruption::end_soon();
 }
 
 void write_text(const char* text) {
@@ -58,12 +64,12 @@ void handle_crashes() {
     sigaction(signal, &action, nullptr);
 }
 
-/// One line, whatever the text.
+/// One line, whatever the text and its bytes.
 void print_error(std::string text) {
   for (char& c : text)
     if (c == '\n' || c == '\r') c = ' ';
   while (!text.empty() && text.back() == ' ') text.pop_back();
-  std::fprintf(stderr, "firn: %s\n", text.c_str());
+  std::fprintf(stderr, "firn: %s\n", firn::one_line(text).c_str());
 }
 
 /// What CLI11 says, or which word is no verb.
@@ -124,7 +130,10 @@ int main(int argc, char** argv) {
   handle_crashes();
   try {
     firn::register_solvers(context.registry);
-    return run_program(argc, argv, context);
+    const int status = run_program(argc, argv, context);
+    firn::interruption::ended_in_order();
+    if (status == firn::cli::exit_interrupted) print_error("interrupted");
+    return status;
   } catch (const firn::InputError& error) {
     print_error(error.what());
     return firn::cli::exit_bad_input;

@@ -12,8 +12,9 @@
 
 namespace firn::cli {
 
-Scene SceneOption::read() const {
+Scene SceneOption::read(double bytes_per_particle) const {
   SceneOptions options;
+  options.bytes_per_particle = bytes_per_particle;
   options.scale = scale;
   return find_scene(name, options);
 }
@@ -67,6 +68,12 @@ SolverOptions SolverOption::settings(std::size_t particles) const {
 std::unique_ptr<Solver> SolverOption::create(const Registry& registry,
                                              std::size_t particles) const {
   return registry.create(name, settings(particles));
+}
+
+double SolverOption::run_bytes_per_particle(const Registry& registry) const {
+  const bool is_guest = registry.find(name) == nullptr;  // not to be started only for this
+  return firn::run_bytes_per_particle(is_guest ? Pace::process : registry.traits(name).pace,
+                                      settings(1).precision);
 }
 
 void add_force_option(CLI::App& verb, bool& force) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "firn/memory.hpp"
 #include "firn/registry.hpp"
 #include "firn/scene.hpp"
 
@@ -16,8 +17,9 @@ struct SceneOption {
   std::string name;
   double scale = 1;
 
-  /// Reads the file or built-in scene. Throws InputError.
-  Scene read() const;
+  /// Reads the file or built-in scene. Throws InputError, also if `bytes_per_particle`, what the
+  /// verb will need, is more than the memory that is available.
+  Scene read(double bytes_per_particle = check_bytes_per_particle()) const;
 };
 
 /// One thread per 16384 particles, at most one per processor: with fewer particles a step
@@ -39,6 +41,9 @@ struct SolverOption {
   /// The solver for a scene with this many particles. Throws InputError.
   std::unique_ptr<Solver> create(const Registry& registry, std::size_t particles) const;
   SolverOptions settings(std::size_t particles) const;
+
+  /// What a run with this solver needs (firn/memory.hpp). Throws InputError.
+  double run_bytes_per_particle(const Registry& registry) const;
 };
 
 /// --force, for verbs that write a file.

@@ -12,9 +12,20 @@ namespace firn::cli {
 ProgressBar::ProgressBar(std::string title)
     : title_(std::move(title)), is_terminal_(isatty(STDERR_FILENO) == 1) {}
 
+bool LineSchedule::due(double seconds) {
+  if (seconds < next_) return false;
+  next_ = next_ < 10 ? 10 : std::floor(seconds / 60) * 60 + 60;
+  return true;
+}
+
 void ProgressBar::show(double fraction, const std::string& detail) {
-  if (!is_terminal_) return;
   const auto now = Clock::now();
+  if (!is_terminal_) {
+    if (lines_.due(Seconds(now - start_).count()))
+      fmt::print(stderr, "{}: {:.0f} %, {}\n", title_, 100 * std::clamp(fraction, 0.0, 1.0),
+                 detail);
+    return;
+  }
   if (drawn_ && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   drawn_ = true;
@@ -36,6 +47,36 @@ void ProgressBar::finish() {
   fmt::print(stderr, "\r\033[K");
   std::fflush(stderr);
   drawn_ = false;
+}
+
+Waiting::Waiting(std::string what) : what_(std::move(what)), thread_([this] { watch(); }) {}
+
+Waiting::~Waiting() {
+  {
+    const std::lock_guard lock(mutex_);
+    is_over_ = true;
+  }
+  over_.notify_all();
+  thread_.join();
+}
+
+void Waiting::watch() {
+  const bool is_terminal = isatty(STDERR_FILENO) == 1;
+  const auto start = std::chrono::steady_clock::now();
+  LineSchedule lines;
+  bool drawn = false;
+  std::unique_lock lock(mutex_);
+  while (!over_.wait_for(lock, std::chrono::milliseconds(500), [this] { return is_over_; })) {
+    const double seconds = Seconds(std::chrono::steady_clock::now() - start).count();
+    if (is_terminal && seconds >= 2) {
+      fmt::print(stderr, "\r\033[K{}, {:.0f} s", what_, seconds);
+      std::fflush(stderr);
+      drawn = true;
+    } else if (lines.due(seconds)) {
+      fmt::print(stderr, "{}, {:.0f} s\n", what_, seconds);
+    }
+  }
+  if (drawn) fmt::print(stderr, "\r\033[K");
 }
 
 std::string duration_text(double seconds) {

@@ -2,12 +2,16 @@
 #include "cli/python.hpp"
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "cli/progress.hpp"
 #include "firn/error.hpp"
+#include "firn/interruption.hpp"
 
 namespace firn::cli {
 
@@ -27,14 +31,20 @@ int run_process(std::vector<std::string> words) {
   if (child < 0)
     throw InputError("firn: cannot start a process: " + std::string(std::strerror(errno)));
   if (child == 0) {
+    // Ctrl-C is answered here: Python would print where it was.
+    setpgid(0, 0);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     execvp(argv[0], argv.data());
     _exit(127);
   }
+  interruption::set_child(child);
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  interruption::set_child(0);
   if (WIFEXITED(status)) return WEXITSTATUS(status);
-  return 128 + WTERMSIG(status);
+  throw InputError("firn: " + words[2] + " ended by signal " + std::to_string(WTERMSIG(status)) +
+                   " (" + strsignal(WTERMSIG(status)) + "): a file may be damaged: " + words[3]);
 }
 
 }  // namespace
@@ -42,6 +52,7 @@ int run_process(std::vector<std::string> words) {
 int run_python_module(std::vector<std::string> words) {
   const std::string python = python_interpreter();
   words.insert(words.begin(), {python, "-m"});
+  const Waiting waiting("making the pages");
   const int status = run_process(words);
   if (status == 127)
     throw InputError("FIRN_PYTHON", "Python interpreter", python,

@@ -10,8 +10,10 @@
 #include "cli/progress.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "firn/interruption.hpp"
 #include "firn/machine.hpp"
 #include "firn/sampling.hpp"
+#include "io/one_line.hpp"
 #include "simulation/simulate.hpp"
 #include "simulation/start_notes.hpp"
 
@@ -94,7 +96,7 @@ void print_json(const RunResult& result, const std::filesystem::path& out, std::
   nlohmann::ordered_json object = {
       {"status", status_text(result.status)},
       {"message", result.message},
-      {"file", out.string()},
+      {"file", one_line(out.string())},
       {"particles", particles},
       {"step", result.step},
       {"time", result.time},
@@ -129,7 +131,7 @@ void print_summary(const RunResult& result, const std::filesystem::path& out,
   for (const auto& [bound, count] : held.items())
     bounds += fmt::format("{}{} {}", bounds.empty() ? "" : ", ", bound, count.get<std::int64_t>());
   fmt::print("{} at step {}, t = {:.6g} s: {} frames in {}\n", status_text(result.status),
-             result.step, result.time, result.frames, out.string());
+             result.step, result.time, result.frames, one_line(out.string()));
   fmt::print(
       "{} particles, {} steps in {:.2f} s, {:.3f} million particle-steps/s; time step by {}\n",
       particles, result.steps_run, result.seconds,
@@ -153,14 +155,29 @@ std::size_t count_particles(const Scene& scene, const RunArguments& arguments) {
 
 int run_run(const RunArguments& arguments, Context& context) {
   check_ranges(arguments);
-  const Scene scene = arguments.scene->read();
+  std::optional<Waiting> waiting("reading " + one_line(arguments.scene->name, 80));
+  const Scene scene =
+      arguments.scene->read(arguments.solver->run_bytes_per_particle(context.registry));
   const std::size_t count = count_particles(scene, arguments);
   RunOptions options = run_options(arguments, count, context);
   const auto solver = arguments.solver->create(context.registry, count);
 
   ProgressBar bar(scene.name);
   const auto particles = static_cast<std::int64_t>(count);
+  std::optional<interruption::StepWorthKeeping> keep;
+  std::int64_t last_frame_step = -1;
+  options.on_frame = [&](const FrameReport& frame) {
+    interruption::set_unfinished_file("");
+    last_frame_step = frame.step;
+  };
   options.on_step = [&](const Progress& p) {
+    waiting.reset();
+    interruption::set_unfinished_file("");
+    // What is in the file cannot be lost.
+    if (p.step == last_frame_step)
+      keep.reset();
+    else if (!keep)
+      keep.emplace();
     bar.show(p.fraction, fmt::format("t = {:.4f} s, {:.0f} steps/s", p.time, p.steps_per_second));
   };
   options.on_retry = [&](const Retry& r) {
@@ -168,7 +185,9 @@ int run_run(const RunArguments& arguments, Context& context) {
     fmt::print(stderr, "step {} at t = {:.6g} s: {}; attempt {} with dt = {:.3g} s\n", r.step,
                r.time, r.message, r.attempt, r.next_dt);
   };
+  interruption::set_unfinished_file(options.output.string() + ".partial");
   const RunResult result = simulate(scene, *solver, options);
+  waiting.reset();
   bar.finish();
   if (arguments.json)
     print_json(result, options.output, particles);

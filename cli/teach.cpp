@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "cli/options.hpp"
+#include "cli/progress.hpp"
 #include "cli/python.hpp"
 #include "cli/verbs.hpp"
 #include "firn/build_info.hpp"
@@ -113,6 +114,7 @@ int run_teach(const TeachArguments& arguments, Context& context) {
   options.step = arguments.step;
   options.particle = arguments.particle;
   if (!arguments.node.empty()) options.node = node_from_text(arguments.node);
+  std::optional<Waiting> waiting("recording the lesson");
   const teach::Lesson lesson = teach::make_lesson(scene, options);
 
   nlohmann::ordered_json json = teach::to_json(lesson);
@@ -128,6 +130,7 @@ int run_teach(const TeachArguments& arguments, Context& context) {
   if (error)
     throw InputError(folder.string(), "folder for the pages", error.message(),
                      "a folder that can be made");
+  waiting.reset();
   const bool is_new = !std::filesystem::exists(data, error);
   write_text(data, json.dump());
   std::vector<std::string> words = {"firn_teach",    data.string(),  "-o",

@@ -22,7 +22,8 @@ enum Exit : int {
 struct Context {
   Registry registry;
   int exit = exit_done;
-  /// Set by SIGINT and SIGTERM. The second signal ends the program at once.
+  /// Set by SIGINT and SIGTERM. Verbs that see it end in order; others are ended within a second
+  /// (firn/interruption.hpp). The second signal ends the program at once.
   std::atomic<bool> stop{false};
 };
 

@@ -14,6 +14,8 @@
 #include "cli/options.hpp"
 #include "cli/verbs.hpp"
 #include "firn/error.hpp"
+#include "firn/interruption.hpp"
+#include "io/one_line.hpp"
 #include "io/output_path.hpp"
 #include "io/results/machine_facts.hpp"
 #include "io/results/results_file.hpp"
@@ -124,7 +126,7 @@ int verify(const Arguments& arguments, const Registry& registry) {
 
 /// One line on stderr.
 int tell(const char* what, int status) {
-  std::fprintf(stderr, "firn: %s\n", what);
+  std::fprintf(stderr, "firn: %s\n", one_line(what).c_str());
   return status;
 }
 
@@ -172,7 +174,7 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM})
-    std::signal(signal, [](int) { _exit(firn::cli::exit_interrupted); });
+    std::signal(signal, [](int) { firn::interruption::end_now(); });
   try {
     return firn::cli::run_program(argc, argv);
   } catch (const firn::InputError& error) {

@@ -20,6 +20,12 @@ std::size_t utf8_length(std::string_view text, std::size_t at) {
   if (length == 0 || at + length > text.size()) return 0;
   for (std::size_t i = 1; i < length; ++i)
     if ((byte(at + i) & 0xC0) != 0x80) return 0;
+  // Longer than need be, surrogates, beyond U+10FFFF: no decoder takes these.
+  if (first == 0xC0 || first == 0xC1 || first > 0xF4) return 0;
+  const unsigned char second = length > 1 ? byte(at + 1) : 0;
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
+      (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F))
+    return 0;
   return length;
 }
 

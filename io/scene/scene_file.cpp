@@ -8,6 +8,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "firn/memory.hpp"
 #include "io/scene/read_scene.hpp"
 
 namespace firn {
@@ -86,7 +87,8 @@ std::size_t count_particles(const TomlTable& table, const Scene& scene, const Bo
 }
 
 void read_bodies(const TomlTable& root, const SceneContext& context, Scene& scene) {
-  double particles = 0;
+  double particles = 0, expected = 0;
+  const double bytes = context.options.bytes_per_particle * (scene.semi_implicit() ? 1.5 : 1);
   const auto limit = static_cast<double>(context.options.max_particles);
   for (const TomlTable& table : root.tables("body")) {
     Body body = read_body(table, context);
@@ -94,6 +96,10 @@ void read_bodies(const TomlTable& root, const SceneContext& context, Scene& scen
     if (!(particles <= limit))
       throw InputError(table.where(), "too many particles", about(particles),
                        "at most " + to_text(limit) + ", counted in bounding boxes");
+    if (bytes > 0) {
+      expected += expected_particles(scene.grid, body);
+      require_memory(table.where(), expected, bytes);
+    }
     if (count_particles(table, scene, body) == 0)
       throw InputError(table.where(), "body without particles", "0",
                        "a shape that holds at least one sampling point");

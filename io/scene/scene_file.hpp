@@ -24,6 +24,10 @@ struct SceneOptions {
   /// (counted from the bodies' bounding boxes).
   std::int64_t max_particles = 2147483647;
 
+  /// What the caller will need for each particle [bytes]: scenes that would take more memory than
+  /// there is are refused before a particle is placed (firn/memory.hpp). 0: not looked at.
+  double bytes_per_particle = 0;
+
   /// A scene without bodies is refused; false where a state is given beside it.
   bool needs_bodies = true;
 };

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "firn/error.hpp"
+#include "firn/memory.hpp"
 #include "io/trajectory/check_particles.hpp"
 #include "io/trajectory/open.hpp"
 
@@ -95,7 +96,10 @@ Particles read_last_frame(const std::filesystem::path& path) {
   const TrajectoryReader reader(path);
   if (reader.frames() == 0)
     throw InputError(path.string() + ": /VTKHDF/Steps", "number of frames", "0", "at least 1");
-  return reader.read_frame(reader.frames() - 1).particles;
+  const std::int64_t last = reader.frames() - 1;
+  require_memory(path.string(), static_cast<double>(reader.particles(last)),
+                 state_bytes_per_particle);
+  return reader.read_frame(last).particles;
 }
 
 }  // namespace firn
