@@ -23,6 +23,7 @@
 #include "verification/suite/run.hpp"
 #include "verification/suite/subject.hpp"
 #include "verification/suite/svd_library.hpp"
+#include "verification/suite/whole_steps.hpp"
 
 namespace firn::cli {
 
@@ -32,10 +33,11 @@ struct Arguments {
   std::shared_ptr<SolverOption> solver;
   suite::RunOptions run;
   std::string results, svd;
-  bool json = false, list = false, mutants = false, force = false;
+  bool json = false, list = false, mutants = false, force = false, whole_steps = false;
 };
 
-suite::Subject subject_of(const SolverOption& option, const Registry& registry) {
+suite::Subject subject_of(const Arguments& arguments, const Registry& registry) {
+  const SolverOption& option = *arguments.solver;
   suite::Subject subject;
   SolverOption one = option;
   if (one.threads == 0) one.threads = 1;
@@ -44,10 +46,13 @@ suite::Subject subject_of(const SolverOption& option, const Registry& registry) 
   subject.threads = one.threads;
   subject.command = "firn verify --solver " + shell_word(one.name);
   if (one.precision != "double") subject.command += " --precision " + one.precision;
-  subject.create = [one, &registry](int threads) {
+  const bool whole_steps = arguments.whole_steps;
+  if (whole_steps) subject.command += " --whole-steps";
+  subject.create = [one, whole_steps, &registry](int threads) {
     SolverOption with_threads = one;
     with_threads.threads = threads;
-    return with_threads.create(registry, 1);
+    auto solver = with_threads.create(registry, 1);
+    return whole_steps ? suite::in_whole_steps(std::move(solver)) : std::move(solver);
   };
   subject.create_reference = [&registry] { return registry.create(reference_name, {}); };
   // A name that is none ends here.
@@ -114,7 +119,7 @@ int verify(const Arguments& arguments, const Registry& registry) {
   }
   if (arguments.mutants)
     return run_mutation_score(registry, arguments.results, arguments.json, arguments.force);
-  suite::set_subject(subject_of(*arguments.solver, registry));
+  suite::set_subject(subject_of(arguments, registry));
   const suite::Verdict verdict = suite::run(arguments.run);
   if (verdict.tests.empty())
     throw InputError("--filter", "no test of that name", arguments.run.filter,
@@ -145,6 +150,8 @@ int run_program(int argc, char** argv) {
   app.add_option("--filter", arguments.run.filter,
                  "run only these tests: TOPIC.TEST, with * and ? as wildcards, several separated "
                  "by ':'");
+  app.add_flag("--whole-steps", arguments.whole_steps,
+               "judge whole steps only, as if the solver did not stop between stages");
   app.add_flag("--long", arguments.run.long_studies,
                "also run the long studies of convergence and stability");
   app.add_flag("--fail-fast", arguments.run.fail_fast, "stop at the first failure");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 /// The two ways in which Firn fails: invalid input (exit 2, nothing written) and a
-/// failed simulation (exit 3, last good state kept). io/output_error.hpp has a third.
+/// failed simulation (exit 3, last good state kept). io/output_error.hpp has a third. A solver
+/// that does not do what a scene asks for says so by Unsupported.
 
 #include <cstdint>
 #include <stdexcept>
@@ -19,6 +20,14 @@ class InputError : public std::runtime_error {
   /// "WHERE: WHAT: got VALUE, allowed: RANGE"
   InputError(const std::string& where, const std::string& what, const std::string& value,
              const std::string& allowed);
+};
+
+/// The solver does not do what the scene asks for, by its traits or in its own words. No fault
+/// of either: where many scenes are tried, this one does not apply; a single one is the user's
+/// mistake (exit 2).
+class Unsupported : public InputError {
+ public:
+  using InputError::InputError;
 };
 
 /// A step that could not be completed: a non-finite value, a solver that did

@@ -79,6 +79,14 @@ class Solver {
   /// advance_through() reaches in ten stages. Throws SimulationError.
   virtual StepReport step(double dt) { return advance_through(Stage::positions, dt); }
 
+  /// `count` ≥ 1 whole steps of the same dt. One after the other, unless a solver pays for each
+  /// call: a command takes them all in one process. Reports the last. Throws SimulationError.
+  virtual StepReport steps(std::int64_t count, double dt) {
+    StepReport report;
+    for (std::int64_t n = 0; n < count; ++n) report = step(dt);
+    return report;
+  }
+
   /// Writes the present state: particles in the order of load(), nodes of
   /// positive mass sorted by (i,j,k). Between steps the grid may be left empty.
   virtual void store(State& state) const = 0;

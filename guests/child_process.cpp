@@ -138,7 +138,10 @@ void ChildProcess::kill_group() {
   pid_ = -1;
 }
 
-bool ChildProcess::succeeded() const { return WIFEXITED(status_) && WEXITSTATUS(status_) == 0; }
+std::optional<int> ChildProcess::exit_status() const {
+  if (!WIFEXITED(status_)) return {};
+  return WEXITSTATUS(status_);
+}
 
 std::string ChildProcess::how_it_ended() const {
   std::string text;
@@ -149,8 +152,7 @@ std::string ChildProcess::how_it_ended() const {
     text = "killed by signal ";
     text += std::to_string(WTERMSIG(status_)) + " (" + strsignal(WTERMSIG(status_)) + ")";
   }
-  if (output_ && !output_->last_line().empty())
-    text += ", last line of output: " + output_->last_line();
+  if (!last_line().empty()) text += ", last line of output: " + last_line();
   return text;
 }
 

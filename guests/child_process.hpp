@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <sys/types.h>
 #include <vector>
@@ -49,7 +50,10 @@ class ChildProcess {
   /// How it ended, "exit status 1" or "killed by signal 11 (Segmentation fault)",
   /// and the last line that it printed. Valid once wait_until() has returned true.
   std::string how_it_ended() const;
-  bool succeeded() const;
+  bool succeeded() const { return exit_status() == 0; }
+  std::optional<int> exit_status() const;  ///< none if a signal killed it
+  /// "" if it printed nothing.
+  std::string last_line() const { return output_ ? output_->last_line() : std::string(); }
 
  private:
   pid_t pid_ = -1;

@@ -118,9 +118,13 @@ TimeStep CommandSolver::choose_time_step() {
 StepReport CommandSolver::advance_through(Stage last, double dt) {
   if (last != Stage::positions)
     throw InputError("--solver", "stop of a command", std::string(name(last)), "positions");
+  return steps(1, dt);
+}
+
+StepReport CommandSolver::steps(std::int64_t count, double dt) {
   write_input(dt);
-  run_command();
-  read_output(dt);
+  run_command(count);
+  read_output(count, dt);
   StepReport report;
   report.dt = dt;
   return report;
@@ -149,23 +153,27 @@ void CommandSolver::write_input(double dt) const {
   writer.finish();
 }
 
-void CommandSolver::run_command() const {
+void CommandSolver::run_command(std::int64_t steps) const {
   std::vector<std::string> words = words_;
   for (std::string& word : words) {
     word = replaced(word, "{in}", (folder_ / input_name).string());
     word = replaced(word, "{out}", (folder_ / output_name).string());
-    word = replaced(word, "{steps}", "1");
+    word = replaced(word, "{steps}", std::to_string(steps));
   }
   ChildOptions options;
   // One state, with room for whatever else the guest keeps.
   options.most_bytes = (std::uint64_t{1} << 30) + 4096 * state_.particles.size();
   ChildProcess process(words, options);
-  if (!process.wait_until(deadline_after(time_limit_)))
-    fail("did not end within " + to_text(time_limit_) + " s");
+  const double limit = time_limit_ * static_cast<double>(steps);
+  if (!process.wait_until(deadline_after(limit)))
+    fail("did not end within " + to_text(limit) + " s");
+  if (process.exit_status() == unsupported_status)
+    throw Unsupported("guest " + traits_.name + " does not support this: " +
+                      (process.last_line().empty() ? "no reason given" : process.last_line()));
   if (!process.succeeded()) fail("ended: " + process.how_it_ended());
 }
 
-void CommandSolver::read_output(double dt) {
+void CommandSolver::read_output(std::int64_t steps, double dt) {
   const std::filesystem::path path = folder_ / output_name;
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
@@ -178,8 +186,9 @@ void CommandSolver::read_output(double dt) {
     fail("returned the particles with other ids or in another order");
   // Material indices mean the scene's; time and step are Firn's own count.
   stored.particles.material = state_.particles.material;
-  stored.time = state_.time + dt;
-  stored.step = state_.step + 1;
+  stored.time = state_.time;
+  for (std::int64_t n = 0; n < steps; ++n) stored.time += dt;
+  stored.step = state_.step + steps;
   state_ = std::move(stored);
 }
 

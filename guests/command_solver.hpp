@@ -10,10 +10,14 @@
 
 namespace firn::guest {
 
-/// Each step runs the command once: {in} is a trajectory whose last frame is the
+/// The exit status by which a command says that it does not do what the scene asks for.
+inline constexpr int unsupported_status = 77;
+
+/// Each call runs the command once: {in} is a trajectory whose last frame is the
 /// state and whose attribute `scene` states a fixed step (the Δt to take), {out}
-/// the file to write, {steps} how many steps (1). Stops only between steps. The
+/// the file to write, {steps} how many steps to take. Stops only between steps. The
 /// file is read in a separate process, because HDF5 may crash on invalid bytes.
+/// Exit status `unsupported_status` is Unsupported, with the last line printed as the reason.
 class CommandSolver : public Solver {
  public:
   CommandSolver(const std::string& command, const SolverOptions& options);
@@ -23,13 +27,15 @@ class CommandSolver : public Solver {
   void load(const Scene& scene, const State& state) override;
   TimeStep choose_time_step() override;
   StepReport advance_through(Stage last, double dt) override;
+  StepReport step(double dt) override { return steps(1, dt); }
+  StepReport steps(std::int64_t count, double dt) override;
   void store(State& state) const override { state = state_; }
   Diagnostics diagnostics(const Scene& scene) const override;
 
  private:
   void write_input(double dt) const;
-  void run_command() const;
-  void read_output(double dt);
+  void run_command(std::int64_t steps) const;
+  void read_output(std::int64_t steps, double dt);
   State read_trajectory(const std::filesystem::path& path) const;
   [[noreturn]] void fail(const std::string& what) const;
 

@@ -6,6 +6,7 @@
  *
  * with FIRN the folder that holds firn/firn_guest.h. The method is in mpm.c; this
  * file hands states over. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +63,25 @@ static void take_nodes(mpm* s, const firn_guest_state* state) {
   }
 }
 
+static int finite_in(const double* numbers, size_t per_particle, size_t p) {
+  for (size_t k = 0; k < per_particle; ++k)
+    if (!isfinite(numbers[per_particle * p + k])) return 0;
+  return 1;
+}
+
+/* Numbers that no step could make right again. */
+static int check_particles(mpm* s) {
+  for (size_t p = 0; p < s->n; ++p) {
+    if (!finite_in(s->x, 3, p) || !finite_in(s->v, 3, p) || !finite_in(s->F_E, 9, p) ||
+        !finite_in(s->F_P, 9, p))
+      return fail(s, "x, v, F_E or F_P is not finite, particle", p);
+    if (!(s->m[p] > 0 && isfinite(s->m[p]))) return fail(s, "mass is not positive, particle", p);
+    if (!(s->V_0[p] >= 0 && isfinite(s->V_0[p])))
+      return fail(s, "V_0 is negative or not finite, particle", p);
+  }
+  return 0;
+}
+
 static int load(void* self, const firn_guest_scene* scene, const firn_guest_state* state) {
   mpm* s = self;
   const size_t n = state->particle_count, most_nodes = 64 * n + 1;
@@ -93,6 +113,7 @@ static int load(void* self, const firn_guest_scene* scene, const firn_guest_stat
   if (!s->x || !s->v || !s->m || !s->V_0 || !s->F_E || !s->F_P || !s->id || !s->material || !s->N ||
       !s->dN || !s->near || !s->node || !s->m_i || !s->v_i || !s->f_i || !s->v_star || !s->v_new)
     return fail(s, "no memory for particles:", n);
+  if (check_particles(s)) return 1;
   if (s->next_stage == FIRN_RASTERIZE) return 0;
   if (find_nodes(s)) return 1; /* in the middle of a step */
   take_nodes(s, state);

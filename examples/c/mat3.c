@@ -79,8 +79,13 @@ static void perpendicular(const double u[3], double e[3]) {
 
 void svd(const double F[9], double U[9], double sigma[3], double V[9]) {
   double b[3][3], v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, u[3][3] = {{1, 0, 0}};
+  double largest = 0;
+  int exponent =
+      0; /* F/2^exponent has entries below 1: their squares do not underflow or overflow */
+  for (int k = 0; k < 9; ++k) largest = fmax(largest, fabs(F[k]));
+  if (largest > 0 && isfinite(largest)) frexp(largest, &exponent);
   for (int r = 0; r < 3; ++r)
-    for (int c = 0; c < 3; ++c) b[c][r] = F[3 * r + c];
+    for (int c = 0; c < 3; ++c) b[c][r] = ldexp(F[3 * r + c], -exponent);
   /* Convergence is quadratic: 4 or 5 sweeps do. */
   for (int sweep = 0, changed = 1; changed && sweep < 30; ++sweep)
     changed = orthogonalize(b, v, 0, 1) | orthogonalize(b, v, 0, 2) | orthogonalize(b, v, 1, 2);
@@ -96,6 +101,7 @@ void svd(const double F[9], double U[9], double sigma[3], double V[9]) {
     perpendicular(u[0], u[1]);
   cross(u[0], u[1], u[2]);
   sigma[2] = dot(u[2], b[2]);
+  for (int k = 0; k < 3; ++k) sigma[k] = ldexp(sigma[k], exponent);
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) {
       U[3 * r + c] = u[c][r];

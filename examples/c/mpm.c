@@ -196,6 +196,10 @@ static int particle_collisions(mpm* s) {
 /* Step 10. x_p = x_p + dt v_p, wrapped into [origin, origin + period) */
 static int positions(mpm* s) {
   for (size_t q = 0; q < 3 * s->n; ++q) {
+    const double cells = (s->x[q] + s->dt * s->v[q] - s->scene.origin[q % 3]) / s->scene.spacing;
+    if (!(fabs(cells) < MOST_CELLS)) return fail(s, "leaves the grid's range, particle", q / 3);
+  }
+  for (size_t q = 0; q < 3 * s->n; ++q) {
     const double period = s->scene.periodic[q % 3], low = s->scene.origin[q % 3];
     double x = s->x[q] + s->dt * s->v[q];
     if (period > 0 && !(x >= low && x < low + period)) {

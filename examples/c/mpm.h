@@ -8,6 +8,9 @@
 
 #include "firn/firn_guest.h"
 
+/* Cells between the origin and a particle, so that i, j and k are 32-bit numbers. */
+#define MOST_CELLS 1e9
+
 typedef struct mpm {
   firn_guest_scene scene;
   double time, dt; /* t^n and the step under way */

@@ -40,7 +40,8 @@ static int weigh(mpm* s, size_t p, int32_t around[64][3]) {
   int32_t index[3][4];
   for (int axis = 0; axis < 3; ++axis) {
     const double X = (s->x[3 * p + axis] - s->scene.origin[axis]) / h;
-    if (!(fabs(X) < 1e9)) return fail(s, "position is outside the grid's range, particle", p);
+    if (!(fabs(X) < MOST_CELLS))
+      return fail(s, "position is outside the grid's range, particle", p);
     const double cell = floor(X); /* floor, not truncation: coordinates may be negative */
     kernel(X - cell, h, s->N + 12 * p + 4 * axis, s->dN + 12 * p + 4 * axis);
     const int32_t period = (int32_t)lround(s->scene.periodic[axis] / h);

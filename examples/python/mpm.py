@@ -10,7 +10,7 @@ The symbols are the paper's; arrays run over particles p or nodes i first. SI un
 
 import sys
 import tomllib
-from typing import Any
+from typing import Any, NoReturn
 
 import h5py
 import numpy as np
@@ -28,6 +28,31 @@ ARRAYS = {
     "id": "id",
     "material": "material",
 }
+
+
+UNSUPPORTED = 77  # exit status: Firn reports that the scene does not apply to this solver
+MOST_CELLS = 1e9  # between the origin and a particle
+
+
+def unsupported(what: str) -> NoReturn:
+    """Tells Firn that this solver does not do what the scene asks for."""
+    print(f"mpm.py: {what}", file=sys.stderr)
+    sys.exit(UNSUPPORTED)
+
+
+def check(scene: Scene, s: State) -> None:
+    """Refuses numbers that no step could make right again."""
+    for key in "x", "v", "m", "V_0", "F_E", "F_P":
+        bad = ~np.isfinite(s[key]).all(axis=tuple(range(1, s[key].ndim)))
+        if bad.any():
+            sys.exit(f"mpm.py: {key} of particle {bad.argmax()} is not finite")
+    for what, bad in ("no positive mass", s["m"] <= 0), ("a negative volume", s["V_0"] < 0):
+        if bad.any():
+            sys.exit(f"mpm.py: particle {bad.argmax()} has {what}")
+    cells = np.abs(s["x"] - scene["grid"]["origin"]) / scene["grid"]["spacing"]
+    bad = ~(cells < MOST_CELLS).all(1)
+    if bad.any():
+        sys.exit(f"mpm.py: particle {bad.argmax()} is outside the grid's range")
 
 
 def read(path: str) -> tuple[Scene, State, float]:
@@ -108,8 +133,8 @@ def rotation(omega: Array, t: float) -> Array:
     angle = np.linalg.norm(omega) * t
     if angle == 0:
         return np.eye(3)
-    K = np.cross(np.eye(3), omega / np.linalg.norm(omega))
-    return np.eye(3) - np.sin(angle) * K + 2 * np.sin(angle / 2) ** 2 * K @ K
+    K = np.cross(np.eye(3), omega / np.linalg.norm(omega))  # K x = omega x x / |omega|
+    return np.eye(3) + np.sin(angle) * K + 2 * np.sin(angle / 2) ** 2 * K @ K
 
 
 def distance(shape: dict[str, Any], X: Array) -> tuple[Array, Array]:
@@ -130,7 +155,7 @@ def distance(shape: dict[str, Any], X: Array) -> tuple[Array, Array]:
         length = np.linalg.norm(out, axis=1)
         n = np.where(inside[:, None], face, out * side / np.where(inside, 1, length)[:, None])
         return np.where(inside, beyond.max(1), length), n
-    sys.exit(f"mpm.py: collider of shape {shape['type']}, supported: half-space, sphere, box")
+    unsupported(f"collider of shape {shape['type']}, supported: half-space, sphere, box")
 
 
 def collide(scene: Scene, t: float, x: Array, v: Array) -> Array:
@@ -211,9 +236,11 @@ def main(path_in: str, path_out: str, steps: str) -> None:
     """Reads a trajectory, takes steps, writes the result."""
     scene, state, t = read(path_in)
     if scene["integrator"]["type"] != "explicit":
-        sys.exit("mpm.py: semi-implicit scene, supported: explicit")
+        unsupported("semi-implicit scene, supported: explicit")
+    check(scene, state)
     for _ in range(int(steps)):
         t = step(scene, state, t)
+        check(scene, state)
     write(path_out, state, t)
 
 

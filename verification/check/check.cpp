@@ -28,7 +28,7 @@ void require(const Scene& scene, const Solver& reference, const Solver& subject,
   for (const Solver* solver : {&reference, &subject}) {
     const SolverTraits& traits = solver->traits();
     if (scene.semi_implicit() ? !traits.semi_implicit : !traits.explicit_euler)
-      throw InputError("scene " + scene.name, "integrator type not supported by " + traits.name,
+      throw Unsupported("scene " + scene.name, "integrator type not supported by " + traits.name,
                        scene.semi_implicit() ? "semi-implicit" : "explicit",
                        scene.semi_implicit() ? "explicit" : "semi-implicit");
     const std::vector<Stage>& stops = traits.stops;

@@ -3,6 +3,7 @@
 #include <exception>
 #include <fmt/format.h>
 
+#include "firn/error.hpp"
 #include "verification/check/diagnosis.hpp"
 #include "verification/check/error_map.hpp"
 #include "verification/check/run.hpp"
@@ -13,6 +14,8 @@ bool Recorder::guard(Stage from, Stage through, const std::function<void()>& sub
   try {
     subject_part();
     return true;
+  } catch (const Unsupported&) {
+    throw;  // a scene that the subject does not take says nothing about the subject
   } catch (const std::exception& error) {
     diverged(from, through, {}, fmt::format("the subject threw: {}", error.what()));
   } catch (...) {

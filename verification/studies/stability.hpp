@@ -36,6 +36,7 @@ double perturbation(Precision precision);
 /// A perturbation that has grown by this factor is unstable: 1.5 % per step in double.
 double burst_growth(Precision precision);
 
+/// Throws the solver's SimulationError where it fails on a perturbation that has not grown.
 bool stable(const Subject& subject, const StabilityPoint& point, double cfl);
 
 /// c Δt/h up to which a limit is looked for: far beyond what accuracy allows.

@@ -44,6 +44,7 @@ StressOutcome run(const Subject& subject, const Situation& situation) {
   } catch (const InputError& error) {
     outcome.ending = Ending::refused;
     outcome.message = error.what();
+    outcome.unsupported = dynamic_cast<const Unsupported*>(&error) != nullptr;
   }
   return outcome;
 }

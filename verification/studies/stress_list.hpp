@@ -38,6 +38,7 @@ struct StressOutcome {
   std::string message = {};  ///< of the error
   Stage stage = Stage::rasterize;
   std::int64_t particle = -1;  ///< that the error names, or −1
+  bool unsupported = false;    ///< refused by a solver that does not do this
   bool intact = false;         ///< a SimulationError that left the last good state
   State state = {};            ///< at the end, or the last good one if it is intact
   double fastest = 0;          ///< largest ‖v_p‖ after any step [m/s]

@@ -68,6 +68,7 @@ void within_all(const std::string& what, std::int64_t numbers, double largest_in
 
 void expect(const std::string& what, bool holds, const std::string& why_not) {
   Row& row = row_of_running_test(what);
+  row.counted = false;
   ++row.numbers;
   if (holds) return;
   if (row.valid) ADD_FAILURE() << what << (why_not.empty() ? "" : ": ") << why_not;
@@ -83,6 +84,7 @@ const std::vector<Observation>& observations() { return all_observations; }
 
 void add_failure(const std::string& topic, const std::string& test, const std::string& what) {
   Row& row = row_of(topic, test, what);
+  row.counted = false;
   row.valid = false;
   row.largest = std::numeric_limits<double>::infinity();
 }

@@ -19,7 +19,8 @@ struct Row {
   double largest = 0;  ///< largest error in units of its bound; infinite where there is no number
   double error = 0, bound = 0;  ///< the pair that came nearest, in the unit of the quantity
   bool valid = true;
-  std::string detail;  ///< where the worst of them was
+  bool counted = true;  ///< false: a yes or no, or an exception; `largest` is 0 or infinite
+  std::string detail;   ///< where the worst of them was
 };
 
 /// A measured figure for plots: an error at a resolution, a limit of Δt.

@@ -40,10 +40,10 @@ Sum sum_of(const Verdict& verdict, const std::string& topic) {
   return sum;
 }
 
-/// "0.31", "> bound" where a yes or no failed.
-std::string in_bounds(double largest) {
-  if (std::isinf(largest)) return "no";
-  return largest == 0 ? "0" : fmt::format("{:.2g}", largest);
+/// "0.31"; "no" where a yes or no failed, "not finite" where there is no number to compare.
+std::string in_bounds(const Row& row) {
+  if (std::isinf(row.largest)) return row.counted ? "not finite" : "no";
+  return row.largest == 0 ? "0" : fmt::format("{:.2g}", row.largest);
 }
 
 std::string verdict_of(const Sum& sum) {
@@ -55,10 +55,42 @@ std::string subject_name() {
   return fmt::format("{}, {}", subject().solver, name(subject().precision));
 }
 
-double largest_in_bounds() {
-  double largest = 0;
-  for (const Row& row : rows()) largest = std::max(largest, row.largest);
-  return largest;
+/// NO VERDICT where no test applied.
+const char* word_of(const Verdict& verdict) {
+  if (verdict.valid()) return "VALID";
+  const bool failed = std::any_of(verdict.tests.begin(), verdict.tests.end(),
+                                  [](const TestResult& test) { return test.failed; });
+  return failed ? "INVALID" : "NO VERDICT";
+}
+
+/// "largest error 0.31 of its bound", of the rows that have one; then how many rows failed.
+std::string largest_error() {
+  const Row* worst = nullptr;
+  std::int64_t failed = 0;
+  for (const Row& row : rows()) {
+    failed += row.valid ? 0 : 1;
+    if (row.counted && (worst == nullptr || row.largest > worst->largest)) worst = &row;
+  }
+  std::string text;
+  if (worst != nullptr && std::isinf(worst->largest))
+    text = ", an error that is not finite";
+  else if (worst != nullptr)
+    text = fmt::format(", largest error {} of its bound", in_bounds(*worst));
+  if (failed > 0) text += fmt::format(", {} {} failed", failed, failed == 1 ? "check" : "checks");
+  return text;
+}
+
+/// "; does not apply: semi-implicit, 3 of 5 in dynamics", or nothing.
+std::string not_applied(const Verdict& verdict) {
+  std::string text;
+  for (const Topic& topic : topics()) {
+    const Sum sum = sum_of(verdict, topic.name);
+    if (sum.skipped == 0) continue;
+    text += text.empty() ? "; does not apply: " : ", ";
+    if (sum.skipped < sum.tests) text += fmt::format("{} of {} in ", sum.skipped, sum.tests);
+    text += topic.title;
+  }
+  return text;
 }
 
 }  // namespace
@@ -77,8 +109,7 @@ std::string to_table(const Verdict& verdict) {
     if (worst.size() > 62) worst = worst.substr(0, 59) + "...";
     fmt::format_to(to, "{:<15} {:>5} {:>7} {:>12} {:>10}  {:<62} {}\n", topic.title,
                    sum.tests - sum.skipped, sum.rows, sum.numbers,
-                   sum.worst == nullptr ? "" : in_bounds(sum.worst->largest), worst,
-                   verdict_of(sum));
+                   sum.worst == nullptr ? "" : in_bounds(*sum.worst), worst, verdict_of(sum));
   }
   bool any_failure = false;
   for (const Row& row : rows()) {
@@ -86,13 +117,13 @@ std::string to_table(const Verdict& verdict) {
     if (!any_failure) out += "\nfailures, each with the command that repeats it:\n";
     any_failure = true;
     const std::string how =
-        std::isinf(row.largest) ? "" : fmt::format(": {} of the bound", in_bounds(row.largest));
+        std::isinf(row.largest) ? "" : fmt::format(": {} of the bound", in_bounds(row));
     fmt::format_to(to, "  {}.{}: {}{}{}{}\n      {}\n", row.topic, row.test, row.what, how,
                    row.detail.empty() ? "" : ": ", row.detail, command_of(row.topic, row.test));
   }
-  fmt::format_to(to, "\n{}: {}: {} numbers in {} checks, largest error {} of its bound, {:.0f} s\n",
-                 verdict.valid() ? "VALID" : "INVALID", subject_name(), verdict.numbers(),
-                 rows().size(), in_bounds(largest_in_bounds()), verdict.seconds);
+  fmt::format_to(to, "\n{}: {}: {} numbers in {} checks{}, {:.0f} s{}\n", word_of(verdict),
+                 subject_name(), verdict.numbers(), rows().size(), largest_error(), verdict.seconds,
+                 not_applied(verdict));
   return out;
 }
 
@@ -133,7 +164,7 @@ std::string to_json(const Verdict& verdict) {
   }
   const nlohmann::json all = {{"solver", subject().solver},
                               {"precision", name(subject().precision)},
-                              {"verdict", verdict.valid() ? "VALID" : "INVALID"},
+                              {"verdict", word_of(verdict)},
                               {"numbers", verdict.numbers()},
                               {"seconds", verdict.seconds},
                               {"topics", topic_list},

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 
+#include "firn/error.hpp"
+#include "verification/support/scenes.hpp"
+
 namespace firn::suite {
 
 namespace {
@@ -31,7 +34,31 @@ bool stops_at(Stage stage) {
   return std::find(stops.begin(), stops.end(), stage) != stops.end();
 }
 
-bool solves_implicitly() { return traits().semi_implicit; }
+namespace {
+
+bool accepts_a_semi_implicit_step() {
+  Scene scene = fixtures::elastic_scene("semi-implicit", 0x1p-4, 0x1p-14);
+  scene.integrator.type = IntegratorType::semi_implicit;
+  scene.integrator.implicitness = 1;
+  scene.integrator.tolerance = 1e-3;
+  scene.integrator.max_iterations = 100;
+  try {
+    run_steps(scene, fixtures::particles_at_rest(scene), 1, scene.time.step);
+  } catch (const Unsupported&) {
+    return false;
+  } catch (const std::exception&) {
+    // A solver that fails is not one that refuses: let the tests tell.
+  }
+  return true;
+}
+
+}  // namespace
+
+bool solves_implicitly() {
+  static const bool answer =
+      traits().semi_implicit && (!the_subject.slow || accepts_a_semi_implicit_step());
+  return answer;
+}
 
 double rounded(double x) { return in_float() ? double{static_cast<float>(x)} : x; }
 
@@ -49,7 +76,7 @@ State run_through(const Scene& scene, const State& state, Stage last, double dt,
 State run_steps(const Scene& scene, const State& state, int steps, double dt) {
   const auto solver = make_subject();
   solver->load(scene, state);
-  for (int n = 0; n < steps; ++n) solver->step(dt);
+  solver->steps(steps, dt);
   State result;
   solver->store(result);
   return result;

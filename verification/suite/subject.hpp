@@ -41,6 +41,8 @@ inline double eps() {
 inline bool in_float() { return subject().precision == Precision::float32; }
 
 bool stops_at(Stage stage);
+
+/// Takes semi-implicit scenes. A command has no traits: it is asked by a step of one particle.
 bool solves_implicitly();
 
 /// `many` for a solver in the process, `few` for one whose every step starts a program.

@@ -90,13 +90,13 @@ void all_properties(bool nodes) {
   }
 }
 
-TEST(Collisions, of_nodes) {
+FIRN_TEST(Collisions, of_nodes) {
   FIRN_NEEDS_STOP(Stage::grid_velocities);
   FIRN_NEEDS_STOP(Stage::grid_collisions);
   all_properties(true);
 }
 
-TEST(Collisions, of_particles) {
+FIRN_TEST(Collisions, of_particles) {
   FIRN_NEEDS_STOP(Stage::particle_velocities);
   FIRN_NEEDS_STOP(Stage::particle_collisions);
   all_properties(false);
@@ -114,7 +114,7 @@ State point_particle(const Vec3& x, const Vec3& v) {
 }
 
 /// v_t = nΔt g (sin θ − μ cos θ) if that is positive, at rest to the bit otherwise.
-TEST(Collisions, point_on_an_incline) {
+FIRN_TEST(Collisions, point_on_an_incline) {
   const double dt = 0x1p-10;
   const int steps = effort(100, 10);
   for (const double mu : {0.25, 1.5}) {
@@ -135,7 +135,7 @@ TEST(Collisions, point_on_an_incline) {
 }
 
 /// A belt at speed U drags a particle along: v0 + nμgΔt until it sticks.
-TEST(Collisions, conveyor) {
+FIRN_TEST(Collisions, conveyor) {
   const double dt = 0x1p-10, mu = 0.5, g = 8, U = 0.25;
   Scene scene = plain_scene();
   scene.gravity = Vec3(0, 0, -g);
@@ -160,7 +160,7 @@ TEST(Collisions, conveyor) {
 }
 
 /// A particle inside a turning, sticky drum moves with v_co = ω × r.
-TEST(Collisions, rotating_collider) {
+FIRN_TEST(Collisions, rotating_collider) {
   Scene scene = plain_scene();
   Collider drum;
   drum.shape = Sphere{Vec3::Zero(), 1};
@@ -177,7 +177,7 @@ TEST(Collisions, rotating_collider) {
 
 /// An elastic block slides down an incline: v_t = gT sin θ − μ (gT cos θ + v_n), where v_n is what
 /// it still carries along the normal.
-TEST(Collisions, block_on_an_incline) {
+FIRN_TEST(Collisions, block_on_an_incline) {
   if (subject().slow) GTEST_SKIP() << "every step starts a program: too long";
   Scene scene = plain_scene();
   const double theta = 0.5, mu = 0.2, g = 9.8125, h = spacing;

@@ -34,7 +34,7 @@ struct RandomSnow {
 std::size_t particle_count() { return static_cast<std::size_t>(effort(2000, 200)); }
 int step_count() { return effort(200, 10); }
 
-TEST(Conservation, from_particles_to_the_grid) {
+FIRN_TEST(Conservation, from_particles_to_the_grid) {
   FIRN_NEEDS_STOP(Stage::grid_forces);
   const RandomSnow snow(particle_count(), 8, 1);
   const State state = run_through(snow.scene, snow.state, Stage::grid_forces, 1e-4);
@@ -132,12 +132,12 @@ void free_flight(double alpha) {
   expect("the snow has yielded", yielded > 1e-2);
 }
 
-TEST(Conservation, free_flight_alpha_0) { free_flight(0); }
-TEST(Conservation, free_flight_alpha_095) { free_flight(0.95); }
-TEST(Conservation, free_flight_alpha_1) { free_flight(1); }
+FIRN_TEST(Conservation, free_flight_alpha_0) { free_flight(0); }
+FIRN_TEST(Conservation, free_flight_alpha_095) { free_flight(0.95); }
+FIRN_TEST(Conservation, free_flight_alpha_1) { free_flight(1); }
 
 /// Without stress a rigid rotation loses ΔL = −(1 − α) M (2h²/3) ω per step, nothing at α = 1.
-TEST(Conservation, rigid_rotation_is_damped_by_pic_alone) {
+FIRN_TEST(Conservation, rigid_rotation_is_damped_by_pic_alone) {
   for (const double alpha : {0.0, 0.5, 0.95, 1.0}) {
     Scene scene = plain_scene();
     scene.flip = alpha;

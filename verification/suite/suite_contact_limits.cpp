@@ -44,13 +44,13 @@ void limits(bool nodes) {
   }
 }
 
-TEST(Collisions, limits_at_nodes) {
+FIRN_TEST(Collisions, limits_at_nodes) {
   FIRN_NEEDS_STOP(Stage::grid_velocities);
   FIRN_NEEDS_STOP(Stage::grid_collisions);
   limits(true);
 }
 
-TEST(Collisions, limits_at_particles) {
+FIRN_TEST(Collisions, limits_at_particles) {
   FIRN_NEEDS_STOP(Stage::particle_velocities);
   FIRN_NEEDS_STOP(Stage::particle_collisions);
   limits(false);
@@ -140,13 +140,13 @@ void exact(bool nodes) {
   }
 }
 
-TEST(Collisions, exact_at_nodes) {
+FIRN_TEST(Collisions, exact_at_nodes) {
   FIRN_NEEDS_STOP(Stage::grid_velocities);
   FIRN_NEEDS_STOP(Stage::grid_collisions);
   exact(true);
 }
 
-TEST(Collisions, exact_at_particles) {
+FIRN_TEST(Collisions, exact_at_particles) {
   FIRN_NEEDS_STOP(Stage::particle_velocities);
   FIRN_NEEDS_STOP(Stage::particle_collisions);
   exact(false);
@@ -155,7 +155,7 @@ TEST(Collisions, exact_at_particles) {
 /// The same in whole steps, for pairs of particles with nodes of their own: one above the surface,
 /// half of whose nodes are below; with α = 1 it loses what its nodes lose. And one inside, which
 /// collides in step 9 as well.
-TEST(Collisions, exact_in_a_whole_step) {
+FIRN_TEST(Collisions, exact_in_a_whole_step) {
   for (const std::vector<ExactContact>& contacts : exact_contacts()) {
     const Scene scene = scene_of(contacts[0], spacing * Vec3(0, 0, 0.125));
     State state;

@@ -47,7 +47,7 @@ std::vector<fixtures::Case> some_cases() {
   return list;
 }
 
-TEST(Determinism, number_of_threads) {
+FIRN_TEST(Determinism, number_of_threads) {
   for (const fixtures::Case& c : some_cases()) {
     const State one = run_case(c, *subject().create(1), steps());
     for (const int threads : {2, 3, 5})
@@ -56,13 +56,13 @@ TEST(Determinism, number_of_threads) {
   }
 }
 
-TEST(Determinism, the_same_run_twice) {
+FIRN_TEST(Determinism, the_same_run_twice) {
   for (const fixtures::Case& c : some_cases())
     same_bits(c.name, run_case(c, *make_subject(), steps()), run_case(c, *make_subject(), steps()));
 }
 
 /// What a solver did before must not matter: its memory, its order of particles.
-TEST(Determinism, what_was_before) {
+FIRN_TEST(Determinism, what_was_before) {
   for (const fixtures::Case& c : some_cases()) {
     const State fresh = run_case(c, *make_subject(), 2);
     const auto used = make_subject();
@@ -73,7 +73,7 @@ TEST(Determinism, what_was_before) {
 
 /// Loaded again after every step with what it stored (and its own restart data), it goes on as if
 /// nothing had happened.
-TEST(Determinism, stored_and_loaded) {
+FIRN_TEST(Determinism, stored_and_loaded) {
   for (const fixtures::Case& c : some_cases()) {
     const State whole = run_case(c, *make_subject(), steps());
     State state = c.state;
@@ -92,7 +92,7 @@ TEST(Determinism, stored_and_loaded) {
 }
 
 /// A pause to look at the state changes nothing.
-TEST(Determinism, looking_does_not_disturb) {
+FIRN_TEST(Determinism, looking_does_not_disturb) {
   for (const fixtures::Case& c : some_cases()) {
     const State unseen = run_case(c, *make_subject(), steps());
     const auto solver = make_subject();
@@ -107,7 +107,7 @@ TEST(Determinism, looking_does_not_disturb) {
   }
 }
 
-TEST(Determinism, step_equals_its_stages) {
+FIRN_TEST(Determinism, step_equals_its_stages) {
   for (const fixtures::Case& c : some_cases()) {
     const State whole = run_case(c, *make_subject(), steps());
     const auto solver = make_subject();

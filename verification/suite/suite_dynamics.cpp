@@ -71,7 +71,7 @@ void plane_wave(const Wave& wave) {
   }
 }
 
-TEST(Dynamics, plane_waves) {
+FIRN_TEST(Dynamics, plane_waves) {
   for (const double alpha : {0.0, 0.95, 1.0}) {
     plane_wave({0, alpha, 0, 0.5});
     if (subject().slow) return;
@@ -84,7 +84,7 @@ TEST(Dynamics, plane_waves) {
   plane_wave({2, 0, 1, 1});
 }
 
-TEST(Dynamics, long_plane_waves) {
+FIRN_TEST(Dynamics, long_plane_waves) {
   for (const int axis : {0, 1, 2})
     for (const double alpha : {0.0, 0.5, 0.95, 1.0})
       for (const double beta : {0.0, 0.5, 1.0})
@@ -129,21 +129,21 @@ void between(const std::string& what, double order, double low, double high) {
          0.5 * (high - low), fmt::format("order {:.3f}", order));
 }
 
-TEST(Dynamics, standing_wave) {
+FIRN_TEST(Dynamics, standing_wave) {
   FIRN_NEEDS_SPEED();
   const double e16 = error_of(exact::standing_wave, 16, 0.4, undamped),
                e32 = error_of(exact::standing_wave, 32, 0.4, undamped);
   at_least("alpha = 1, 16 to 32 cells", order(e16, e32), 1.9);
 }
 
-TEST(Dynamics, manufactured_solution) {
+FIRN_TEST(Dynamics, manufactured_solution) {
   FIRN_NEEDS_SPEED();
   const double e8 = error_of(exact::manufactured, 8, 0.4, undamped),
                e16 = error_of(exact::manufactured, 16, 0.4, undamped);
   at_least("alpha = 1, 8 to 16 cells", order(e8, e16), 1.8);
 }
 
-TEST(Dynamics, column) {
+FIRN_TEST(Dynamics, column) {
   FIRN_NEEDS_SPEED();
   const double e8 = error_of(exact::column, 8, 0.4, pic),
                e16 = error_of(exact::column, 16, 0.4, pic);
@@ -151,7 +151,7 @@ TEST(Dynamics, column) {
   between("alpha = 0, 8 to 16 cells", order(e8, e16), 0.85, 1.15);
 }
 
-TEST(Dynamics, long_standing_wave) {
+FIRN_TEST(Dynamics, long_standing_wave) {
   FIRN_NEEDS_SPEED();
   double last = 0;
   for (const int cells : {16, 32, 64, 128}) {
@@ -168,7 +168,7 @@ TEST(Dynamics, long_standing_wave) {
   }
 }
 
-TEST(Dynamics, long_manufactured_solution) {
+FIRN_TEST(Dynamics, long_manufactured_solution) {
   FIRN_NEEDS_SPEED();
   double last = 0;
   for (const int cells : {8, 16, 32}) {
@@ -178,7 +178,7 @@ TEST(Dynamics, long_manufactured_solution) {
   }
 }
 
-TEST(Dynamics, long_column) {
+FIRN_TEST(Dynamics, long_column) {
   FIRN_NEEDS_SPEED();
   double last = 0;
   for (const int cells : {8, 16, 32}) {
@@ -188,7 +188,7 @@ TEST(Dynamics, long_column) {
   }
 }
 
-TEST(Dynamics, long_vortex) {
+FIRN_TEST(Dynamics, long_vortex) {
   FIRN_NEEDS_SPEED();
   const double e32 = error_of(vortex_of_15_percent, 32, 0.4, undamped);
   error_of(vortex_of_15_percent, 64, 0.4, undamped);
@@ -197,7 +197,7 @@ TEST(Dynamics, long_vortex) {
 }
 
 /// Two elastic blocks meet head-on: momentum stays, energy never grows, and they part again.
-TEST(Dynamics, two_elastic_bodies) {
+FIRN_TEST(Dynamics, two_elastic_bodies) {
   FIRN_NEEDS_SPEED();
   Scene scene = plain_scene();
   scene.flip = 0.95;

@@ -21,7 +21,7 @@ Real weight(const LoneParticles& lone, std::size_t p, const NodeIndex& n) {
 
 /// Relative to each weight, however small: the factored form (2 − |x|)³/6 reaches this, the printed
 /// polynomial loses all digits near |x| = 2, and the velocity of a light node with them.
-TEST(Kernel, weights) {
+FIRN_TEST(Kernel, weights) {
   FIRN_NEEDS_STOP(Stage::rasterize);
   LoneParticles lone(effort(10, 4));
   fixtures::Random random(2);
@@ -63,7 +63,7 @@ TEST(Kernel, weights) {
          fmt::format("{} particles with another number", wrong));
 }
 
-TEST(Kernel, moments) {
+FIRN_TEST(Kernel, moments) {
   FIRN_NEEDS_STOP(Stage::rasterize);
   LoneParticles lone(effort(10, 4), 3);
   const State state = run_through(lone.scene, lone.state, Stage::rasterize, 1e-4);
@@ -89,7 +89,7 @@ TEST(Kernel, moments) {
 
 /// Step 2: ρ_p0 = Σ_i m_i w_ip/h³, V_p0 = m_p/ρ_p0 where the volume is not known; a known one
 /// stays.
-TEST(Kernel, volumes) {
+FIRN_TEST(Kernel, volumes) {
   FIRN_NEEDS_STOP(Stage::volumes);
   Scene scene = plain_scene();
   State state;
@@ -120,7 +120,7 @@ TEST(Kernel, volumes) {
 }
 
 /// An isotropic stress makes f_i = −V τ ∇w_ip: the gradient itself.
-TEST(Kernel, gradients) {
+FIRN_TEST(Kernel, gradients) {
   FIRN_NEEDS_STOP(Stage::grid_forces);
   LoneParticles lone(effort(10, 4), 4);
   const double s = 1.25;
@@ -167,7 +167,7 @@ TEST(Kernel, gradients) {
 }
 
 /// Linear fields on the grid are gathered exactly, quadratic ones with the second moment.
-TEST(Kernel, gathered_fields) {
+FIRN_TEST(Kernel, gathered_fields) {
   FIRN_NEEDS_STOP(Stage::integration);
   FIRN_NEEDS_STOP(Stage::particle_velocities);
   LoneParticles lone(effort(8, 3), 5);
@@ -206,7 +206,7 @@ TEST(Kernel, gathered_fields) {
 }
 
 /// 10 000 cells from the origin, where a position in float has 9 bits for the place in its cell.
-TEST(Kernel, far_from_the_origin) {
+FIRN_TEST(Kernel, far_from_the_origin) {
   FIRN_NEEDS_STOP(Stage::rasterize);
   Scene scene = plain_scene();
   State state;
@@ -229,7 +229,7 @@ TEST(Kernel, far_from_the_origin) {
 }
 
 /// A grid whose origin is not zero, and a particle whose nodes lie on both sides of a seam.
-TEST(Kernel, origin_and_seam) {
+FIRN_TEST(Kernel, origin_and_seam) {
   FIRN_NEEDS_STOP(Stage::rasterize);
   Scene scene = plain_scene();
   scene.grid.origin = spacing * Vec3(0.25, -0.375, 0.5);
@@ -249,7 +249,7 @@ TEST(Kernel, origin_and_seam) {
 
 /// A whole step of a lone, deformed particle, for solvers that stop nowhere else as well:
 /// F' = (I − (Δt²V/m) τ diag(Σ N'²/N)/h²) F, v and x move on.
-TEST(Kernel, one_step_of_a_lone_particle) {
+FIRN_TEST(Kernel, one_step_of_a_lone_particle) {
   LoneParticles lone(effort(6, 3), 7);
   fixtures::Random random(8);
   Particles& p = lone.state.particles;

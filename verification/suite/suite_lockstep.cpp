@@ -40,25 +40,25 @@ void lockstep(fixtures::Case c, std::int64_t start_step = 0) {
   compare(c, options);
 }
 
-TEST(Lockstep, lump_on_a_slope) { lockstep(fixtures::lump_on_slope()); }
-TEST(Lockstep, lump_on_a_slope_later) { lockstep(fixtures::lump_on_slope(), 40); }
-TEST(Lockstep, periodic_lump) { lockstep(fixtures::periodic_lump()); }
-TEST(Lockstep, awkward_lump) { lockstep(fixtures::awkward_lump()); }
+FIRN_TEST(Lockstep, lump_on_a_slope) { lockstep(fixtures::lump_on_slope()); }
+FIRN_TEST(Lockstep, lump_on_a_slope_later) { lockstep(fixtures::lump_on_slope(), 40); }
+FIRN_TEST(Lockstep, periodic_lump) { lockstep(fixtures::periodic_lump()); }
+FIRN_TEST(Lockstep, awkward_lump) { lockstep(fixtures::awkward_lump()); }
 
-TEST(Lockstep, implicit_lump) {
+FIRN_TEST(Lockstep, implicit_lump) {
   if (!solves_implicitly()) GTEST_SKIP() << "the solver takes explicit scenes only";
   lockstep(fixtures::implicit_lump());
 }
 
 /// A case of adaptive steps has steps of its own choice in both runs.
-TEST(FreeRunning, lump_on_a_slope) {
+FIRN_TEST(FreeRunning, lump_on_a_slope) {
   CheckOptions options;
   options.mode = CheckMode::free_running;
   options.steps = effort(100, 5);
   compare(fixtures::lump_on_slope(), options);
 }
 
-TEST(FreeRunning, periodic_lump) {
+FIRN_TEST(FreeRunning, periodic_lump) {
   CheckOptions options;
   options.mode = CheckMode::free_running;
   options.steps = effort(100, 5);

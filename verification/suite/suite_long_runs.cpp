@@ -37,7 +37,7 @@ struct Flight {
 };
 
 /// 66 000 steps are more than a counter of 16 bits has. Nothing but x and v may change.
-TEST(Scale, steps_of_free_flight) {
+FIRN_TEST(Scale, steps_of_free_flight) {
   FIRN_NEEDS_SPEED();
   const Flight flight;
   const auto solver = make_subject();
@@ -92,7 +92,7 @@ bool bits_agree(const Particles& a, const Particles& b) {
 
 /// A run without a pause against a chain of fresh solvers, each of which takes a hundred steps
 /// and believes that they are the first: a step does not depend on its number.
-TEST(Scale, steps_of_a_heap) {
+FIRN_TEST(Scale, steps_of_a_heap) {
   FIRN_NEEDS_SPEED();
   const Heap heap;
   constexpr double dt = 0x1p-12;
@@ -128,7 +128,7 @@ TEST(Scale, steps_of_a_heap) {
 
 /// A lid that sinks, turns and drifts, so that at time T it is where it was at time 0: with
 /// α = 1 a particle above takes the share of the nodes below the surface.
-TEST(Scale, late_times) {
+FIRN_TEST(Scale, late_times) {
   for (const double T : {0.0, 1.0, 5.0, 64.0, 1024.0, 0x1p20}) {
     if (in_float() && T > 1024) continue;  // time itself has no digits left
     if (subject().slow && T != 5 && T != 1024) continue;
@@ -170,7 +170,7 @@ TEST(Scale, late_times) {
 
 /// ‖v* − B v‖ of the velocities that a solve returns, not of those that it reports, where it needs
 /// some ten iterations and where it needs hundreds.
-TEST(Scale, iterations_of_a_solve) {
+FIRN_TEST(Scale, iterations_of_a_solve) {
   if (!solves_implicitly()) GTEST_SKIP() << "the solver takes explicit scenes only";
   FIRN_NEEDS_STOP(Stage::grid_collisions);
   FIRN_NEEDS_STOP(Stage::integration);

@@ -68,7 +68,7 @@ void moved_by(const std::string& what, const Scene& scene, const Vec3& cells) {
 }
 
 /// Half a period to ten and a quarter in one step, in both directions, on one axis and on all.
-TEST(Scale, periods_in_a_step) {
+FIRN_TEST(Scale, periods_in_a_step) {
   Scene scene = plain_scene();
   scene.grid.origin = spacing * Vec3(0.25, -0.375, 0.5);
   const Vec3 cells(6, 5, 4);
@@ -83,7 +83,7 @@ TEST(Scale, periods_in_a_step) {
     }
 }
 
-TEST(Scale, cells_in_a_step) {
+FIRN_TEST(Scale, cells_in_a_step) {
   const Scene scene = plain_scene();
   for (const double cells : {0.5, 1.5, 2.5, 3.75, 4.5, 16.25, 1000.5})
     for (const double sign : {1.0, -1.0}) {
@@ -94,7 +94,7 @@ TEST(Scale, cells_in_a_step) {
 }
 
 /// Every lone particle of a material of its own: the stress of an isotropic F_E is known.
-TEST(Scale, materials) {
+FIRN_TEST(Scale, materials) {
   LoneParticles lone(effort(7, 4), 85);
   Scene& scene = lone.scene;
   const double s = 1.0625, J = s * s * s;
@@ -113,13 +113,13 @@ TEST(Scale, materials) {
     const double expected = 2 * m.mu_0() * (s - 1) * s + m.lambda_0() * (J - 1) * J;
     within(fmt::format("stress of {} materials", lone.size()),
            (tau[q] - expected * Mat3::Identity()).norm(),
-           stress_roundoff(m, lone.state.particles.F_E[q], Mat3::Identity()), m.name);
+           measured_stress_roundoff(m, lone.state.particles.F_E[q], Mat3::Identity()), m.name);
   }
 }
 
 /// Every lone particle with a sticky box of its own over the nodes beside it, at i + 1 and i + 2:
 /// with α = 1 it takes their share of the box's velocity.
-TEST(Scale, colliders) {
+FIRN_TEST(Scale, colliders) {
   LoneParticles lone(effort(6, 4), 86);
   Scene& scene = lone.scene;
   Particles& p = lone.state.particles;

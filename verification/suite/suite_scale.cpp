@@ -41,7 +41,7 @@ void many_lumps(int copies) {
 }
 
 /// 909, 9999 and 65 751 particles: more than 65 536, and multiples of no power of two.
-TEST(Scale, particles) {
+FIRN_TEST(Scale, particles) {
   for (const int copies : {9, 99, 651}) {
     if (subject().slow && copies > 99) return;
     many_lumps(copies);
@@ -49,13 +49,13 @@ TEST(Scale, particles) {
 }
 
 /// A million and more.
-TEST(Scale, long_particles) {
+FIRN_TEST(Scale, long_particles) {
   FIRN_NEEDS_SPEED();
   many_lumps(10001);
 }
 
 /// The same bits by any number of threads also where there is work for them.
-TEST(Scale, threads) {
+FIRN_TEST(Scale, threads) {
   const Scene scene = lump_scene();
   const State all = copies_of(small_lump(101, 4, 12, 82), apart(effort(99, 45)));
   const auto run = [&](int threads) {
@@ -78,7 +78,7 @@ TEST(Scale, threads) {
 }
 
 /// A particle cut into n equal ones at its place: each does what the whole did.
-TEST(Scale, particles_in_a_cell) {
+FIRN_TEST(Scale, particles_in_a_cell) {
   const Scene scene = lump_scene();
   const State lump = small_lump(10, 2, 12, 83);
   const State alone = run_steps(scene, lump, lump_steps(), lump_dt);
@@ -154,7 +154,7 @@ void at_distance(int power) {
   judge(scene, on_its_table, far_out(D));
 }
 
-TEST(Scale, distances) {
+FIRN_TEST(Scale, distances) {
   const int last = in_float() ? 23 : 24;  // a float holds whole cells up to there
   for (int power = 10; power <= last; ++power) {
     if (subject().slow && power != 10 && power != 16 && power != must_reach) continue;

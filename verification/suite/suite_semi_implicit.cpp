@@ -39,7 +39,7 @@ State random_snow(std::size_t n, double cells, std::uint64_t seed) {
 
 Totals momentum_of(const State& state) { return totals(state.particles); }
 
-TEST(SemiImplicit, beta_zero_is_explicit) {
+FIRN_TEST(SemiImplicit, beta_zero_is_explicit) {
   FIRN_NEEDS_SOLVE();
   Scene scene = implicit_scene(0);
   const State initial = random_snow(static_cast<std::size_t>(effort(200, 60)), 4, 61);
@@ -54,7 +54,7 @@ TEST(SemiImplicit, beta_zero_is_explicit) {
 }
 
 /// β = 1 against explicit after one step: their difference is Δt² H v.
-TEST(SemiImplicit, differs_from_explicit_by_second_order) {
+FIRN_TEST(SemiImplicit, differs_from_explicit_by_second_order) {
   FIRN_NEEDS_SOLVE();
   const State initial = random_snow(static_cast<std::size_t>(effort(100, 40)), 3, 62);
   Scene implicit = implicit_scene(1), plain = implicit;
@@ -73,7 +73,7 @@ TEST(SemiImplicit, differs_from_explicit_by_second_order) {
 }
 
 /// e'/e = (1 + (β − 1)z²)/(1 + βz²), z² = Δt²(V/m) S (2μ + 3λ)/h², S = ΣN'²/N along an axis.
-TEST(SemiImplicit, single_particle_factor) {
+FIRN_TEST(SemiImplicit, single_particle_factor) {
   FIRN_NEEDS_SOLVE();
   const double e = in_float() ? 0x1p-11 : 0x1p-26, h = spacing, dt = 0x1p-10;
   for (const double beta : {0.25, 0.5, 1.0}) {
@@ -100,7 +100,7 @@ TEST(SemiImplicit, single_particle_factor) {
   }
 }
 
-TEST(SemiImplicit, momentum_at_any_tolerance) {
+FIRN_TEST(SemiImplicit, momentum_at_any_tolerance) {
   FIRN_NEEDS_SOLVE();
   const State initial = random_snow(static_cast<std::size_t>(effort(600, 100)), 5, 63);
   for (const double tolerance : {1e-1, 1e-3, tight()}) {
@@ -113,7 +113,7 @@ TEST(SemiImplicit, momentum_at_any_tolerance) {
   }
 }
 
-TEST(SemiImplicit, residual_is_what_was_asked_for) {
+FIRN_TEST(SemiImplicit, residual_is_what_was_asked_for) {
   FIRN_NEEDS_SOLVE();
   FIRN_NEEDS_STOP(Stage::integration);
   const State initial = random_snow(static_cast<std::size_t>(effort(300, 60)), 4, 64);
@@ -149,7 +149,7 @@ Mat3 stress_at(const Material& m, const Mat3& F_E, const Mat3& F_P, const Matrix
 
 /// v_i^{n+1} against LU of the assembled matrix, H by differences of the forces: neither the
 /// formula for δP nor an iteration is used.
-TEST(SemiImplicit, direct_solve) {
+FIRN_TEST(SemiImplicit, direct_solve) {
   FIRN_NEEDS_SOLVE();
   FIRN_NEEDS_STOP(Stage::grid_collisions);
   FIRN_NEEDS_STOP(Stage::integration);
@@ -225,7 +225,7 @@ TEST(SemiImplicit, direct_solve) {
 }
 
 /// A block falls onto the ground with steps of 20 h/c: no node of the contact moves inwards.
-TEST(SemiImplicit, contact_is_held) {
+FIRN_TEST(SemiImplicit, contact_is_held) {
   FIRN_NEEDS_SOLVE();
   FIRN_NEEDS_STOP(Stage::integration);
   Scene scene = implicit_scene(1);
@@ -254,7 +254,7 @@ TEST(SemiImplicit, contact_is_held) {
 }
 
 /// A block compressed by 1 % and let go with Δt = 100 h/c: never more energy than at the start.
-TEST(SemiImplicit, energy_at_large_steps) {
+FIRN_TEST(SemiImplicit, energy_at_large_steps) {
   FIRN_NEEDS_SOLVE();
   Scene scene = implicit_scene(1);
   scene.materials[0] = elastic_material();
@@ -289,7 +289,7 @@ TEST(SemiImplicit, energy_at_large_steps) {
 
 /// Strong isotropic compression makes the matrix indefinite: solved to the tolerance all the
 /// same, or an error that says so; never a wrong answer in silence.
-TEST(SemiImplicit, indefinite_systems) {
+FIRN_TEST(SemiImplicit, indefinite_systems) {
   FIRN_NEEDS_SOLVE();
   FIRN_NEEDS_STOP(Stage::integration);
   Scene scene = implicit_scene(1);

@@ -39,19 +39,19 @@ void within_three_percent(const std::string& what, const StabilityPoint& point) 
   expect(fmt::format("{}: unstable at {:.3f}", what, 1.03 * limit), !stable(1.03 * limit));
 }
 
-TEST(Stability, bulk_limit) {
+FIRN_TEST(Stability, bulk_limit) {
   FIRN_NEEDS_SPEED();
   within_three_percent("alpha 0.95", point_of());
 }
 
-TEST(Stability, lone_particle) {
+FIRN_TEST(Stability, lone_particle) {
   FIRN_NEEDS_SPEED();
   within_three_percent("lone particle", lone_point());
 }
 
 /// Δt = min(max_step, cfl h/max‖v‖, elastic_cfl h/max c_p), c_p with the hardened moduli and
 /// ρ_p = m_p/V_p0.
-TEST(Stability, choice_of_the_time_step) {
+FIRN_TEST(Stability, choice_of_the_time_step) {
   Scene scene = plain_scene();
   scene.materials[0].hardening = 10;
   scene.time.adaptive = true;
@@ -114,7 +114,7 @@ double measured(const StabilityPoint& point, const char* varied, double value) {
   return cfl;
 }
 
-TEST(Stability, long_limits) {
+FIRN_TEST(Stability, long_limits) {
   FIRN_NEEDS_SPEED();
   const auto near = [](const char* varied, double value, const StabilityPoint& point) {
     const double cfl = measured(point, varied, value), limit = studies::predicted_cfl(point);

@@ -61,6 +61,26 @@ TEST(ExampleScenes, ShowWhatTheyAreNamedAfter) {
   EXPECT_GT(collision["momentum"][2], 0.0);
 }
 
+#ifdef FIRN_PYTHON
+/// The box of `collision` turns far enough within six steps to tell which way.
+TEST(ExampleScenes, CollisionShowsWhichWayTheBoxTurns) {
+  std::ifstream file(FIRN_SOURCE_DIR "/examples/python/mpm.py");
+  std::string code{std::istreambuf_iterator<char>(file), {}};
+  const std::string right = "np.eye(3) + np.sin(angle) * K",
+                    wrong = "np.eye(3) - np.sin(angle) * K";
+  const std::size_t at = code.find(right);
+  ASSERT_NE(at, std::string::npos);
+  const TemporaryFolder folder;
+  std::ofstream(folder / "wrong.py") << code.replace(at, right.size(), wrong);
+  const Outcome outcome =
+      run_firn({"check", example("collision"), "--steps", "6", "--solver",
+                "exec:" FIRN_PYTHON " " + (folder / "wrong.py").string() + " {in} {out} {steps}"},
+               folder.path());
+  EXPECT_EQ(outcome.status, 1) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("INVALID"), std::string::npos) << outcome.out;
+}
+#endif
+
 /// Scenes in which other things happen than in the three: periodic axes, adaptive steps.
 TEST(ExampleGuests, PeriodicAndAdaptive) {
   expect_valid("shear_periodic", FIRN_EXAMPLE_LIBRARY, 1);
@@ -78,6 +98,24 @@ TEST(ExampleGuests, SemiImplicitIsRefused) {
       run_firn({"check", "stiff_block", "--solver", FIRN_EXAMPLE_LIBRARY}, folder.path());
   EXPECT_EQ(outcome.status, 2) << outcome.out << outcome.err;
   EXPECT_NE(outcome.err.find("semi-implicit"), std::string::npos) << outcome.err;
+}
+
+/// Status 77 is no failure: the scene does not apply, and the guest says why.
+TEST(Unsupported, CommandSaysNo) {
+  const TemporaryFolder folder;
+  const std::string guest = "exec:sh -c 'echo no snow today >&2; exit 77' {in} {out} {steps}";
+  const Outcome check = run_firn({"check", "two_particles", "--solver", guest}, folder.path());
+  EXPECT_EQ(check.status, 2) << check.out << check.err;
+  EXPECT_NE(check.err.find("does not support this: no snow today"), std::string::npos) << check.err;
+
+  const Outcome verify =
+      run_firn({"verify", "--filter",
+                "Kernel.one_step*:Lockstep.lump_on_a_slope:SemiImplicit.beta*", "--solver", guest},
+               folder.path());
+  EXPECT_EQ(verify.status, 1) << verify.out << verify.err;
+  EXPECT_NE(verify.out.find("NO VERDICT"), std::string::npos) << verify.out;
+  EXPECT_NE(verify.out.find("does not apply"), std::string::npos) << verify.out;
+  EXPECT_EQ(verify.out.find("INVALID"), std::string::npos) << verify.out;
 }
 
 }  // namespace

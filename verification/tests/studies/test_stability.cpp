@@ -4,7 +4,9 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
+#include "firn/error.hpp"
 #include "verification/studies/stability.hpp"
+#include "verification/support/ballistic_solver.hpp"
 #include "verification/support/builtin_registry.hpp"
 
 namespace firn::studies {
@@ -43,6 +45,25 @@ TEST(Stability, ALoneParticleIsLimitedByItsOwnVolume) {
     EXPECT_NEAR(predicted_cfl(point), row.predicted, 1e-12);
     EXPECT_NEAR(measured_over_expected(point), 1, 0.015);  // the bisection ends within 1 %
   }
+}
+
+/// A solver that fails before anything has grown has not been found unstable.
+TEST(Stability, AFailureIsNotABurst) {
+  const auto failing = [](std::int64_t at_step) {
+    return Subject{[at_step] {
+      auto solver = std::make_unique<fixtures::BallisticSolver>();
+      solver->failure = [at_step](std::int64_t step, double) {
+        if (step == at_step)
+          throw SimulationError(Stage::rasterize, SimulationError::Subject::solver, -1, "no");
+      };
+      return solver;
+    }};
+  };
+  StabilityPoint point;
+  EXPECT_THROW(stable(failing(0), point, 1.0), SimulationError);
+  // A semi-implicit solve that does not converge is the limit itself.
+  point.beta = 1;
+  EXPECT_FALSE(stable(failing(0), point, 1.0));
 }
 
 }  // namespace
