@@ -50,6 +50,12 @@ void BoundModel::load(const State& state) {
   norms(grid.v_star, bounds_.v_star, 0);
   norms(grid.free_directions, bounds_.free_directions, 0);
   norms(grid.v_new, bounds_.v_new, 0);
+  bounds_.node_cause.assign(grid.size(), {});
+  bounds_.particle_cause.assign(p.size(), {});
+  doubtful_.clear();
+  bounds_.node_cause.assign(grid.size(), {});
+  bounds_.particle_cause.assign(p.size(), {});
+  doubtful_.clear();
 }
 
 void BoundModel::advance(Stage stage, const State& before, const State& after, double dt,

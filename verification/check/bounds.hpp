@@ -17,6 +17,8 @@
 
 #include "firn/scene.hpp"
 #include "firn/state.hpp"
+#include "verification/check/cause.hpp"
+#include "verification/check/contact_outcomes.hpp"
 #include "verification/check/roundoff.hpp"
 #include "verification/check/stencil.hpp"
 
@@ -24,8 +26,7 @@ namespace firn::check {
 
 /// Bounds of the absolute error, in the unit of the field: of each component of
 /// x (per axis), of the Euclidean norm of vectors, of the Frobenius norm of
-/// matrices. Infinity where the method itself is discontinuous (on the edge of a
-/// contact) and nothing can be said.
+/// matrices. `unbounded` where nothing can be said.
 struct ErrorBounds {
   std::vector<Vec3> x;
   std::vector<double> v, V_0, F_E, F_P;
@@ -33,6 +34,9 @@ struct ErrorBounds {
 
   /// Semi-implicit: ‖v* − B v‖ in the mass norm, tolerance and roundoff together.
   double implicit_residual = 0;
+
+  /// Why a bound may be wide.
+  std::vector<Cause> node_cause, particle_cause;
 
   /// Mass that rounded positions alone can move to or from a node in step 1 [kg].
   /// Kept for the whole step: a node lighter than this may be missing on one side.
@@ -52,8 +56,15 @@ class BoundModel {
   void load(const State& state);
 
   /// `stage` led from `before` to `after` in the reference, with time step dt; `indefinite`:
-  /// its implicit solve met negative curvature.
+  /// its implicit solve met negative curvature. After a contact stage the bounds are those of
+  /// the first outcomes, the reference's own.
   void advance(Stage stage, const State& before, const State& after, double dt, bool indefinite);
+
+  /// Nodes or particles for which the contact stage that ran last has more than one outcome.
+  const std::vector<DoubtfulContact>& doubtful() const { return doubtful_; }
+
+  /// Before the next stage: that the solver took this outcome. −1: any of them.
+  void choose(const DoubtfulContact& contact, int outcome);
 
  private:
   void rasterize(const State& before, const State& after);
@@ -72,20 +83,13 @@ class BoundModel {
   Roundoff r_;
   ErrorBounds bounds_;
   Stencils stencils_;
+  std::vector<DoubtfulContact> doubtful_;
+  Stage doubtful_stage_ = Stage::grid_collisions;
 };
 
 /// |x| as positions are rounded: the larger of its distances from zero and from
 /// the grid's origin, and not less than four cells, the size of a block in which
 /// a solver may keep block-local coordinates. Per axis [m].
 Vec3 position_scale(const Scene& scene, const Vec3& x);
-
-/// Step 5 for one velocity: the bound after contact with every collider of the
-/// scene, for a point at x of uncertainty x_error and a velocity of error `error`.
-struct ContactBounds {
-  double v = 0;                ///< of ‖δv‖ after contact
-  double free_directions = 0;  ///< of ‖δ(projector)‖
-};
-ContactBounds contact_bounds(const Scene& scene, const Vec3& x, const Vec3& x_error,
-                             const Vec3& v_before, double error, double time, double eps);
 
 }  // namespace firn::check

@@ -13,6 +13,9 @@ namespace firn::check {
 
 namespace {
 
+/// Of a node's mass: beyond this part, which rounding decides, nothing is made of its inverse.
+constexpr double uncertain_part = 0.25;
+
 double largest_speed(const std::vector<Vec3>& v) {
   double largest = 0;
   for (const Vec3& each : v) largest = std::max(largest, each.norm());
@@ -71,6 +74,14 @@ void BoundModel::rasterize(const State& before, const State& after) {
                      std::min(velocity_shift[i] / m, spread[i]);
   }
   bounds_.uncertain_mass = bounds_.m_i;
+  bounds_.node_cause.assign(grid.size(), {});
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    if (bounds_.m_i[i] > widest_judged * grid.m[i])
+      bounds_.node_cause[i].kind = Cause::Kind::light_node;
+  bounds_.node_cause.assign(grid.size(), {});
+  for (std::size_t i = 0; i < grid.size(); ++i)
+    if (bounds_.m_i[i] > uncertain_part * grid.m[i])
+      bounds_.node_cause[i].kind = Cause::Kind::light_node;
 }
 
 /// V_p0 = m_p/ρ_p0, ρ_p0 = Σ_i m_i w_ip / h³: positive terms, so relative errors are
@@ -130,7 +141,7 @@ void BoundModel::grid_velocities(const State& before, const State& after, double
     const double m = grid.m[i], f = grid.f[i].norm(), v = grid.v[i].norm();
     const double m_error = bounds_.m_i[i] / m;
     const double local = Roundoff::few * r_.eps * (v + dt * f / m + dt * scene_.gravity.norm());
-    if (m_error > 0.25) {
+    if (m_error > uncertain_part) {
       bounds_.v_star[i] = 2 * (grid.v_star[i].norm() + v_max) + local;
       continue;
     }

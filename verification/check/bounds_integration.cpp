@@ -2,6 +2,7 @@
 /// Error bounds of step 6.
 
 #include <cmath>
+#include <optional>
 
 #include "verification/check/bounds.hpp"
 #include "verification/check/conditioning.hpp"
@@ -18,11 +19,17 @@ namespace firn::check {
 ///
 /// (each solver stops at the relative residual that the scene states; δH is the roundoff
 /// of the operator), and a single node can be off by ‖δv‖_M/√m_i. Where the reference met
-/// negative curvature B⁻¹ has no such bound, and neither has v.
+/// negative curvature B⁻¹ has no such bound, and neither has v. Nor has it where a node's
+/// contact is in doubt: B acts on other directions there.
 void BoundModel::integration(const State& before, const State& after, double dt, bool indefinite) {
   const Grid& grid = after.grid;
   bounds_.v_new.resize(grid.size());
   double mass_norm = 0;
+  std::optional<Cause> no_bound;
+  if (indefinite) no_bound = Cause{Cause::Kind::indefinite};
+  if (scene_.semi_implicit() && scene_.integrator.implicitness > 0)
+    for (std::size_t i = 0; i < grid.size() && !no_bound; ++i)
+      if (bounds_.free_directions[i] > 1) no_bound = bounds_.node_cause[i];
   if (scene_.semi_implicit()) {
     const double beta = scene_.integrator.implicitness, tolerance = scene_.integrator.tolerance;
     double v_star = 0, v_star_error = 0;
@@ -35,10 +42,15 @@ void BoundModel::integration(const State& before, const State& after, double dt,
     // β = 0 leaves nothing to solve. Otherwise the reference has a residual, too.
     if (beta > 0) mass_norm = bounds_.implicit_residual + tolerance * std::sqrt(v_star);
   }
-  for (std::size_t i = 0; i < grid.size(); ++i)
-    bounds_.v_new[i] = indefinite ? unbounded
-                                  : bounds_.v_star[i] + r_.eps * grid.v_new[i].norm() +
-                                        mass_norm / std::sqrt(grid.m[i]);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    bounds_.v_new[i] =
+        bounds_.v_star[i] + r_.eps * grid.v_new[i].norm() + mass_norm / std::sqrt(grid.m[i]);
+    if (mass_norm / std::sqrt(grid.m[i]) > bounds_.v_star[i] && bounds_.node_cause[i] == Cause{})
+      bounds_.node_cause[i].kind = Cause::Kind::solve;
+    if (!no_bound) continue;
+    bounds_.v_new[i] = unbounded;
+    bounds_.node_cause[i] = *no_bound;
+  }
 }
 
 /// ‖δH v‖_{M⁻¹} for (H v)_i = Σ_p V_p0 A_p F_E^T ∇w_ip: A_p is linear in ∇v_p, which

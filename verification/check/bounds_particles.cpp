@@ -25,7 +25,7 @@ void BoundModel::deformation(const State& before, double dt) {
       mean += s.w * v;
       L += v * s.grad_w.transpose();
     }
-    double L_error = 0;
+    double L_error = 0, widest = 0;
     for (const StencilNode& s : around) {
       if (s.node < 0) continue;
       const auto i = static_cast<std::size_t>(s.node);
@@ -33,8 +33,11 @@ void BoundModel::deformation(const State& before, double dt) {
       // Roundoff of each ∇w_ip is its own and meets the full |v_i|; an error of the
       // position changes all of them together with Σ δ∇w_ip = 0, so that only
       // differences of velocity count.
-      L_error += bounds_.v_new[i] * (g + s.grad_w_error) +
-                 Roundoff::velocity_gradient * r_.eps * grid.v_new[i].norm() * g +
+      const double from_node = bounds_.v_new[i] * (g + s.grad_w_error);
+      if (from_node > widest && bounds_.node_cause[i] != Cause{})
+        bounds_.particle_cause[q] = bounds_.node_cause[i];
+      widest = std::max(widest, from_node);
+      L_error += from_node + Roundoff::velocity_gradient * r_.eps * grid.v_new[i].norm() * g +
                  (grid.v_new[i] - mean).norm() * s.grad_w_error;
     }
     const Mat3 growth = Mat3::Identity() + dt * L;
@@ -48,6 +51,8 @@ void BoundModel::deformation(const State& before, double dt) {
                        F_hat_error, p.F_P[q], bounds_.F_P[q], r_.eps);
     bounds_.F_E[q] = errors.F_E;
     bounds_.F_P[q] = errors.F_P;
+    if (bounds_.particle_cause[q].kind == Cause::Kind::rounding && errors.condition > 1e3)
+      bounds_.particle_cause[q].kind = Cause::Kind::singular;
   }
 }
 
@@ -67,14 +72,17 @@ void BoundModel::particle_velocities(const State& after_integration) {
       mean_new += s.w * grid.v_new[i];
       mean_old += s.w * grid.v[i];
     }
-    double size = alpha * p.v[q].norm(), error = alpha * bounds_.v[q];
+    double size = alpha * p.v[q].norm(), error = alpha * bounds_.v[q], widest = 0;
     for (const StencilNode& s : around) {
       if (s.node < 0) continue;
       const auto i = static_cast<std::size_t>(s.node);
       size += s.w * (grid.v_new[i].norm() + alpha * grid.v[i].norm());
-      error +=
-          (s.w + s.w_error) * (bounds_.v_new[i] + alpha * bounds_.v_i[i]) +
-          s.w_error * ((grid.v_new[i] - mean_new).norm() + alpha * (grid.v[i] - mean_old).norm());
+      const double from_node = (s.w + s.w_error) * (bounds_.v_new[i] + alpha * bounds_.v_i[i]);
+      if (from_node > widest && bounds_.node_cause[i] != Cause{})
+        bounds_.particle_cause[q] = bounds_.node_cause[i];
+      widest = std::max(widest, from_node);
+      error += from_node + s.w_error * ((grid.v_new[i] - mean_new).norm() +
+                                        alpha * (grid.v[i] - mean_old).norm());
     }
     bounds_.v[q] = error + Roundoff::particle_velocity * r_.eps * size;
   }

@@ -22,6 +22,7 @@
 #include "firn/stage.hpp"
 #include "firn/state.hpp"
 #include "verification/check/exercised.hpp"
+#include "verification/check/not_judged.hpp"
 
 namespace firn {
 
@@ -118,6 +119,7 @@ struct CheckReport {
   Exercised exercised;                     ///< what the compared states contained
   std::vector<std::string> not_exercised;  ///< keys of requirements() that the scene calls for
   bool interrupted = false;                ///< ended before all steps were compared
+  std::vector<NotJudged> not_judged;       ///< not among compared(); most numbers first
 
   bool valid() const { return !first_divergence.has_value(); }
   std::int64_t compared() const;  ///< numbers compared, all in all

@@ -18,7 +18,30 @@ FieldRow::FieldRow(Stage from, Stage through, Stage written_by, Field field, boo
   check_.kept = kept;
 }
 
-void FieldRow::add(Place place, double scale) {
+namespace {
+
+/// The same number for the same node or particle of any step.
+std::int64_t key_of(const Place& place) {
+  if (!place.is_node) return place.id;
+  const auto low_21_bits = [](std::int32_t i) { return static_cast<std::int64_t>(i) & 0x1FFFFF; };
+  return (low_21_bits(place.node.i) << 42) | (low_21_bits(place.node.j) << 21) |
+         low_21_bits(place.node.k);
+}
+
+/// What a bound is measured by: of a projector 1.
+double size_of(Field field, double scale) {
+  return field == Field::node_free_directions ? 1.0 : scale;
+}
+
+/// Why a bound may be wide at this place of the reference.
+Cause cause_of(const ErrorBounds& bounds, bool node, std::size_t index) {
+  const std::vector<Cause>& causes = node ? bounds.node_cause : bounds.particle_cause;
+  return index < causes.size() ? causes[index] : Cause{};
+}
+
+}  // namespace
+
+void FieldRow::add(Place place, double scale, Cause cause) {
   if (record_ != nullptr) record_->push_back(place);
   const bool first = check_.compared == 0;
   if (!std::isfinite(place.subject_value)) {
@@ -30,8 +53,11 @@ void FieldRow::add(Place place, double scale) {
     check_.valid = false;
     return;
   }
-  if (place.bound >= unbounded) return;
   const double error = std::abs(place.subject_value - place.reference_value);
+  if (place.bound > widest_judged * size_of(check_.field, scale) && error <= place.bound) {
+    not_judged_.add(cause, check_.field, key_of(place));
+    return;
+  }
   const double in_bounds = error == 0 ? 0 : error / place.bound;
   ++check_.compared;
   squares_ += error * error;
@@ -90,7 +116,7 @@ void FieldComparison::particles(FieldRow& row, double scale) const {
           place.subject_value <= low + period + place.bound)
         place.subject_value -=
             period * std::round((place.subject_value - place.reference_value) / period);
-      row.add(place, scale);
+      row.add(place, scale, cause_of(bounds, false, p));
     }
   }
 }
@@ -101,15 +127,16 @@ void FieldComparison::nodes(FieldRow& row, double scale) const {
   Place place;
   place.step = step;
   place.is_node = true;
-  const auto add = [&](auto reference_value, auto subject_value, auto bound_of) {
+  const auto add = [&](auto reference_value, auto subject_value, auto bound_of, Cause cause) {
     for (int c = 0; c < components(field); ++c) {
       place.component = c;
       place.reference_value = reference_value(c);
       place.subject_value = subject_value(c);
       place.bound = bound_of(c);
-      row.add(place, scale);
+      row.add(place, scale, cause);
     }
   };
+  const Cause light{Cause::Kind::light_node};
   const auto zero = [](int) { return 0.0; };
   std::size_t i = 0, j = 0;
   while (i < ours.size() || j < theirs.size()) {
@@ -126,14 +153,16 @@ void FieldComparison::nodes(FieldRow& row, double scale) const {
       const double stray = it == stencils.stray_mass().end() ? 0.0 : it->second;
       // Lighter than rounding can explain: whatever the node carries is harmless.
       const bool harmless = theirs.m[j] <= stray && field != Field::node_mass;
-      add(zero, their_value, [&](int) { return harmless ? unbounded : stray; });
+      add(
+          zero, their_value, [&](int) { return harmless ? unbounded : stray; }, light);
       ++j;
     } else if (only_ours) {
       const bool harmless = ours.m[i] <= bounds.uncertain_mass[i] && field != Field::node_mass;
-      add(our_value, zero, [&](int c) { return harmless ? unbounded : our_bound(c); });
+      add(
+          our_value, zero, [&](int c) { return harmless ? unbounded : our_bound(c); }, light);
       ++i;
     } else {
-      add(our_value, their_value, our_bound);
+      add(our_value, their_value, our_bound, cause_of(bounds, true, i));
       ++i, ++j;
     }
   }

@@ -11,6 +11,7 @@
 #include "firn/scene.hpp"
 #include "verification/check/bounds.hpp"
 #include "verification/check/check.hpp"
+#include "verification/check/not_judged.hpp"
 
 namespace firn::check {
 
@@ -26,9 +27,12 @@ class FieldRow {
 
   /// Numbers of one step. `place` brings step, index, id or node, component and
   /// both values; `scale` is the step's largest |value| of the field, for the
-  /// relative error. An infinite bound means that the value may be anything
-  /// finite: it is not counted as compared.
-  void add(Place place, double scale);
+  /// relative error. Where the bound is wider than `widest_judged` of that size the
+  /// number counts as compared only if it is wrong all the same; else as not judged,
+  /// for this cause.
+  void add(Place place, double scale, Cause cause);
+
+  const NotJudgedCounts& not_judged() const { return not_judged_; }
 
   /// RMS figures from the sums.
   void finish();
@@ -44,6 +48,7 @@ class FieldRow {
  private:
   FieldCheck check_;
   std::vector<Place>* record_ = nullptr;
+  NotJudgedCounts not_judged_;
   double squares_ = 0, value_squares_ = 0, bound_squares_ = 0;
 };
 

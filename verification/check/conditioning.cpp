@@ -99,6 +99,7 @@ ReturnErrors plastic_return(const Material& material, const Mat3& F_hat, double 
   // F_P = F_E⁻¹ F̂_E F_P, first order in each factor. What is rounded is F_P or, in a solver
   // that keeps it so, F_P − I: not less than 1.
   const double inverse = 1 / std::max(std::abs(clamped[2]), eps);
+  errors.condition = std::max(condition, inverse * sigma[0]);
   const double F_P_norm = F_P.norm();
   const double F_P_new = inverse * sigma[0] * F_P_norm;
   errors.F_P = inverse * (F_hat_error * F_P_norm + sigma[0] * F_P_error + errors.F_E * F_P_new) +

@@ -27,6 +27,7 @@ double spatial_stiffness(const Material& material, const Mat3& F_E, const Mat3& 
 /// Errors of F_E = U clamp(Σ̂) V^T and F_P = F_E⁻¹ F̂_E F_P.
 struct ReturnErrors {
   double F_E = 0, F_P = 0;
+  double condition = 1;  ///< by which errors of F̂_E grow, the larger of the two fields'
 };
 ReturnErrors plastic_return(const Material& material, const Mat3& F_hat, double F_hat_error,
                             const Mat3& F_P, double F_P_error, double eps);

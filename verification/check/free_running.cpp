@@ -63,9 +63,11 @@ State perturbed(const Scene& scene, State state, double dt) {
 }
 
 /// D(t)/1e-10 and the field's own size, whichever is larger; per axis for positions,
-/// whose size is that of position_scale().
+/// whose size is that of position_scale(). A solver may keep F as F − I, whose rounding is
+/// that of a number of size 1.
 double growth(const Scene& scene, const State& state, const State& twin, Field field) {
-  double distance = 0, size = 0;
+  const bool deformation = field == Field::particle_F_E || field == Field::particle_F_P;
+  double distance = 0, size = deformation ? 1 : 0;
   for (std::size_t p = 0; p < length(state, field); ++p)
     for (int c = 0; c < components(field); ++c) {
       const double a = value(state, field, p, c);
@@ -97,6 +99,7 @@ ErrorBounds uniform_bounds(const Scene& scene, const State& state, const State& 
     return std::vector<double>(size, allowed * growth(scene, state, twin, field));
   };
   ErrorBounds bounds;
+  bounds.particle_cause.assign(size, {Cause::Kind::chaos});
   bounds.x.assign(size,
                   Vec3::Constant(allowed * growth(scene, state, twin, Field::particle_position)));
   bounds.v = all(Field::particle_velocity);

@@ -8,6 +8,7 @@
 #include <exception>
 #include <fmt/format.h>
 
+#include "verification/check/chosen_path.hpp"
 #include "verification/check/comparison.hpp"
 #include "verification/check/fields.hpp"
 #include "verification/check/implicit_residual.hpp"
@@ -71,12 +72,14 @@ class Lockstep {
 
  private:
   bool compare_stretch(Stage from, Stage stop, const State& input, const State& after, double dt,
-                       const BoundModel& model, bool by_step);
+                       const BoundModel& model, bool by_step, const std::optional<Fork>& fork);
   void compare_kept(const State& input, const State& after, const State& theirs, Stage from,
                     Stage stop, const std::vector<Written>& written, const BoundModel& model);
   void check_time_step(const State& start, double dt, const TimeStep& theirs);
-  void check_solve(const State& after, double dt, Stage from);
+  void check_solve(const State& after, const BoundModel& model, double dt, Stage from);
   bool check_fused(const State& start, double dt);
+  std::optional<Stage> stop_with_grid() const;
+  void run_to_grid(const State& input, double dt);
 
   const Scene& scene_;
   Solver& reference_;
@@ -97,6 +100,8 @@ bool Lockstep::step(State& start) {
   model_.load(start);
   whole_step_.load(start);
   State input = start, before = start, after;
+  // Where the reference's path first has a choice, in the present stretch and in the step.
+  std::optional<Fork> stretch_fork, step_fork;
   Stage from = Stage::rasterize;
   for (const Stage stage : all_stages) {
     const StepReport told = reference_.advance_through(stage, dt);
@@ -105,10 +110,21 @@ bool Lockstep::step(State& start) {
     recorder_.exercised().add(scene_, stage, before, after, told);
     model_.advance(stage, before, after, dt, indefinite);
     whole_step_.advance(stage, before, after, dt, indefinite);
+    if (stage == Stage::grid_collisions || stage == Stage::particle_collisions) {
+      const auto fork_where_in_doubt = [&](const BoundModel& model, std::optional<Fork>& fork) {
+        if (!fork && !model.doubtful().empty()) fork.emplace(Fork{after, model, stage});
+      };
+      if (!whole_steps_only_) fork_where_in_doubt(model_, stretch_fork);
+      fork_where_in_doubt(whole_step_, step_fork);
+    }
     const auto& stops = subject_.traits().stops;
     if (std::find(stops.begin(), stops.end(), stage) != stops.end()) {
-      if (!whole_steps_only_ && !compare_stretch(from, stage, input, after, dt, model_, false))
+      if (!whole_steps_only_ &&
+          !compare_stretch(from, stage, input, after, dt, model_, false, stretch_fork))
         return false;
+      // Another path may have been followed in between.
+      if (stretch_fork && stage != Stage::positions) reference_.load(scene_, after);
+      stretch_fork.reset();
       input = after;
       from = next(stage);
       model_.load(after);
@@ -116,7 +132,8 @@ bool Lockstep::step(State& start) {
     std::swap(before, after);
   }
   // `before` now holds the completed step.
-  if (!compare_stretch(Stage::rasterize, Stage::positions, start, before, dt, whole_step_, true))
+  if (!compare_stretch(Stage::rasterize, Stage::positions, start, before, dt, whole_step_, true,
+                       step_fork))
     return false;
   if (!whole_steps_only_ && !check_fused(start, dt)) return false;
   start = std::move(before);
@@ -124,8 +141,9 @@ bool Lockstep::step(State& start) {
   return true;
 }
 
-bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const State& after,
-                               double dt, const BoundModel& model, bool by_step) {
+bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const State& own_after,
+                               double dt, const BoundModel& own_model, bool by_step,
+                               const std::optional<Fork>& fork) {
   recorder_.set_input(input, dt);
   TimeStep their_step;
   const bool done = recorder_.guard(from, stop, [&] {
@@ -138,10 +156,22 @@ bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const
     subject_.store(theirs_);
   });
   if (!done) return false;
-  if (const auto fault = shape_fault(after, theirs_, model.roundoff().eps)) {
+  if (const auto fault = shape_fault(own_after, theirs_, own_model.roundoff().eps)) {
     recorder_.diverged(from, stop, {}, *fault);
     return false;
   }
+  // Where contact is in doubt the subject is compared with the reference on the subject's path.
+  std::optional<Path> path;
+  if (fork) {
+    const State* with_grid = stop == Stage::positions ? nullptr : &theirs_;
+    if (!with_grid && fork->stage == Stage::grid_collisions && stop_with_grid()) {
+      if (!recorder_.guard(from, stop, [&] { run_to_grid(input, dt); })) return false;
+      with_grid = &staged_;
+    }
+    path.emplace(chosen_path({scene_, reference_, input, theirs_, dt}, *fork, stop, with_grid));
+  }
+  const State& after = path ? path->after : own_after;
+  const BoundModel& model = path ? path->model : own_model;
   const std::vector<Written> written = written_between(from, stop, after);
   for (const Written& w : written) {
     if (is_node_field(w.field) && length(theirs_, w.field) != theirs_.grid.size()) {
@@ -155,8 +185,26 @@ bool Lockstep::compare_stretch(Stage from, Stage stop, const State& input, const
   }
   compare_kept(input, after, theirs_, from, stop, written, model);
   if (by_step) check_time_step(input, dt, their_step);
-  if (stop == Stage::integration && scene_.semi_implicit()) check_solve(after, dt, from);
+  if (stop == Stage::integration && scene_.semi_implicit()) check_solve(after, model, dt, from);
   return true;
+}
+
+/// The first stop at which the subject has a grid after contact.
+std::optional<Stage> Lockstep::stop_with_grid() const {
+  for (const Stage stop : subject_.traits().stops)
+    if (stop >= Stage::grid_collisions && stop != Stage::positions) return stop;
+  return {};
+}
+
+/// The subject from `input` to stop_with_grid(), without a reload in between.
+void Lockstep::run_to_grid(const State& input, double dt) {
+  subject_.load(scene_, input);
+  for (const Stage stop : subject_.traits().stops) {
+    if (stop < input.next) continue;
+    subject_.advance_through(stop, dt);
+    if (stop == stop_with_grid()) break;
+  }
+  subject_.store(staged_);
 }
 
 /// Fields that no stage of the stretch writes must come back as they were loaded, to
@@ -200,7 +248,7 @@ void Lockstep::check_time_step(const State& start, double dt, const TimeStep& th
 
 /// The solve's own promise. The system is the reference's; v_i* of a subject that has come
 /// here from an earlier stage differs from it by no more than its bound.
-void Lockstep::check_solve(const State& after, double dt, Stage from) {
+void Lockstep::check_solve(const State& after, const BoundModel& model, double dt, Stage from) {
   std::vector<Vec3> v_new = after.grid.v_star;  // at nodes that the subject does not have
   std::size_t j = 0;
   for (std::size_t i = 0; i < after.grid.size(); ++i) {
@@ -208,7 +256,7 @@ void Lockstep::check_solve(const State& after, double dt, Stage from) {
     if (j < theirs_.grid.size() && theirs_.grid.node[j] == after.grid.node[i])
       v_new[i] = theirs_.grid.v_new[j];
   }
-  const ImplicitResidual r = implicit_residual(scene_, after, model_, v_new, dt);
+  const ImplicitResidual r = implicit_residual(scene_, after, model, v_new, dt);
   const auto nodes = static_cast<std::int64_t>(after.grid.size());
   const bool solved = r.residual <= r.allowed;
   recorder_.property("v_i_new solves the semi-implicit system", nodes, solved,

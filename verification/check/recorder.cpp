@@ -81,10 +81,13 @@ void Recorder::diverged(Stage from, Stage through, std::optional<Field> field,
 }
 
 void Recorder::finish() {
+  NotJudgedCounts not_judged;
   for (FieldRow& row : rows_) {
     row.finish();
+    not_judged.add(row.not_judged());
     report_.fields.push_back(row.check());
   }
+  report_.not_judged = not_judged.summary();
 }
 
 }  // namespace firn::check

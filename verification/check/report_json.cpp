@@ -132,6 +132,10 @@ std::string to_json(const CheckReport& report) {
   json["verdict"] = std::string(verdict_word(report));
   json["line"] = verdict_line(report);
   json["not_exercised"] = check::not_exercised_json(report.not_exercised);
+  json["not_judged"] = ordered_json::array();
+  for (const NotJudged& each : report.not_judged)
+    json["not_judged"].push_back(
+        {{"what", each.what}, {"numbers", each.numbers}, {"places", each.places}});
   json["exercised"] = exercised_json(report.exercised);
   json["solver_iterations"] = report.exercised.iterations();
   json["first_divergence"] =

@@ -174,9 +174,9 @@ std::string windows_text(const CheckReport& report) {
 
 std::string verdict_line(const CheckReport& report) {
   if (report.compared() == 0 && report.valid()) return "INCOMPLETE: nothing was compared";
-  return fmt::format("{}: {} numbers compared, largest error {:.2g} of its bound{}",
+  return fmt::format("{}: {} numbers compared, largest error {:.2g} of its bound{}{}",
                      verdict_word(report), report.compared(), report.largest_in_bounds(),
-                     check::not_exercised_text(report.not_exercised));
+                     check::not_exercised_text(report.not_exercised), not_judged_text(report));
 }
 
 std::string to_table(const CheckReport& report, const TableStyle& style) {

@@ -85,7 +85,11 @@ std::int32_t wrapped(int index, int period) {
 
 Stencils::Stencils(const Scene& scene, const Particles& particles, const Grid& grid,
                    const std::vector<Vec3>& x_error, double tiny)
-    : particles_(&particles), origin_(scene.grid.origin), h_(scene.grid.spacing), tiny_(tiny) {
+    : x_(particles.x),
+      m_(particles.m),
+      origin_(scene.grid.origin),
+      h_(scene.grid.spacing),
+      tiny_(tiny) {
   std::unordered_map<NodeIndex, std::int32_t, NodeHash> place;
   place.reserve(grid.size());
   for (std::size_t i = 0; i < grid.size(); ++i)
@@ -125,7 +129,7 @@ Stencils::Stencils(const Scene& scene, const Particles& particles, const Grid& g
 }
 
 void Stencils::around(std::size_t p, std::vector<StencilNode>& out) const {
-  const Vec3 t = (particles_->x[p] - origin_) / h_;
+  const Vec3 t = (x_[p] - origin_) / h_;
   const Vec3& e = t_error_[p];
   const Axis X = axis_around(t[0], e[0]), Y = axis_around(t[1], e[1]), Z = axis_around(t[2], e[2]);
   out.resize(static_cast<std::size_t>(X.count) * static_cast<std::size_t>(Y.count) *
@@ -133,7 +137,7 @@ void Stencils::around(std::size_t p, std::vector<StencilNode>& out) const {
   const std::int32_t* node = node_.data() + first_[p];
   // Products below the smallest normal number may be flushed to zero, in w_ip itself
   // or in m_p w_ip.
-  const double flushed = tiny_ * (1 + 1 / particles_->m[p]);
+  const double flushed = tiny_ * (1 + 1 / m_[p]);
   std::size_t at = 0;
   for (std::size_t a = 0; a < static_cast<std::size_t>(X.count); ++a)
     for (std::size_t b = 0; b < static_cast<std::size_t>(Y.count); ++b)

@@ -44,7 +44,9 @@ class Stencils {
   const std::map<NodeIndex, double>& stray_mass() const { return stray_mass_; }
 
  private:
-  const Particles* particles_ = nullptr;
+  // Of the particles at the start of the step: their state may be gone when they are asked for.
+  std::vector<Vec3> x_;
+  std::vector<double> m_;
   Vec3 origin_;
   double h_ = 1;
   double tiny_ = 0;

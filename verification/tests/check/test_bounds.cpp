@@ -188,47 +188,6 @@ TEST(Conditioning, ReturnMapChangesNoMoreThanItsBound) {
   EXPECT_GT(sharpest, 0.5);
 }
 
-Scene floor_with_friction() {
-  Scene scene = unit_grid();
-  Collider floor;
-  floor.shape = HalfSpace{Vec3::Zero(), Vec3::UnitZ()};
-  floor.friction = 0.4;
-  scene.colliders.push_back(floor);
-  return scene;
-}
-
-TEST(Contact, InTheAirNothingIsAdded) {
-  const auto b = check::contact_bounds(floor_with_friction(), {0, 0, 0.1}, Vec3::Constant(1e-10),
-                                       {1, 0, -1}, 1e-9, 0, 1e-16);
-  EXPECT_EQ(b.v, 1e-9);
-  EXPECT_EQ(b.free_directions, 0);
-}
-
-TEST(Contact, OnTheSurfaceBothAnswersAreRight) {
-  const Vec3 v(1, 0, -1);
-  const auto b = check::contact_bounds(floor_with_friction(), {0, 0, 1e-12}, Vec3::Constant(1e-10),
-                                       v, 1e-15, 0, 1e-16);
-  // Free: (1, 0, −1). In contact: (1 − 0.4, 0, 0).
-  EXPECT_GE(b.v, std::hypot(0.4, 1.0));
-  EXPECT_LE(b.v, 2 * std::hypot(0.4, 1.0));
-}
-
-TEST(Contact, InsideTheBoundIsThatOfTheVelocity) {
-  const auto b = check::contact_bounds(floor_with_friction(), {0, 0, -0.1}, Vec3::Constant(1e-10),
-                                       {1, 0, -1}, 1e-9, 0, 1e-16);
-  EXPECT_GE(b.v, 1e-9);
-  EXPECT_LE(b.v, 2e-9);
-}
-
-TEST(Contact, AtTheEdgeOfABoxTheNormalIsInDoubt) {
-  Scene scene = floor_with_friction();
-  scene.colliders[0].shape = Box{Vec3::Constant(-1), Vec3::Constant(0)};
-  // Inside, as far from the top as from the side: the normal is x or z.
-  const auto b = check::contact_bounds(scene, {-0.1, -0.5, -0.1}, Vec3::Constant(1e-10), {0, 0, -1},
-                                       1e-15, 0, 1e-16);
-  EXPECT_GT(b.v, 0.5);
-}
-
 /// A relative error of 1e-10 in the largest number of any field is found in double.
 class Sensitivity : public testing::TestWithParam<Stage> {};
 
