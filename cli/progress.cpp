@@ -14,7 +14,7 @@ ProgressBar::ProgressBar(std::string title)
 
 bool LineSchedule::due(double seconds) {
   if (seconds < next_) return false;
-  next_ = next_ < 10 ? 10 : std::floor(seconds / 60) * 60 + 60;
+  next_ = std::floor(seconds / 60) * 60 + 60;
   return true;
 }
 

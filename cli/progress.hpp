@@ -13,13 +13,13 @@ namespace firn::cli {
 
 using Seconds = std::chrono::duration<double>;
 
-/// When a plain line is due: after 2 s, 10 s, and then after every minute.
+/// When a plain line is due, where there is no terminal for a bar: after every minute.
 class LineSchedule {
  public:
   bool due(double seconds);
 
  private:
-  double next_ = 2;
+  double next_ = 60;
 };
 
 class ProgressBar {

@@ -46,7 +46,7 @@ def commands(lines: list[str]) -> list[str]:
     """Those that can be run as they stand, each once, without comments."""
     found = []
     for line in lines:
-        text = re.sub(r"\s+#.*$|;.*$", "", line)
+        text = re.sub(r"\s+#.*$|;\s*echo.*$", "", line)
         if COMMAND.match(text) and not PLACEHOLDER.search(text) and text not in found:
             found.append(text)
     return found
