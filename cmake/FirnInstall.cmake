@@ -35,7 +35,9 @@ list(APPEND firn_public_headers
   optimized/optimized_solver.hpp
   reference/kernel.hpp reference/reference_solver.hpp reference/stencil.hpp reference/steps.hpp
   solvers/solvers.hpp
-  verification/check/check.hpp)
+  verification/check/check.hpp verification/check/check_set.hpp verification/check/error_map.hpp
+  verification/check/exercised.hpp verification/check/not_judged.hpp verification/check/cause.hpp
+  verification/check/windows.hpp)
 foreach(header IN LISTS firn_public_headers)
   cmake_path(GET header PARENT_PATH folder)
   if(folder STREQUAL "firn")
