@@ -89,7 +89,7 @@ void LibrarySolver::take_traits(Packet answer) {
 void LibrarySolver::load(const Scene& scene, const State& state) {
   if (scene.semi_implicit() && !traits_.semi_implicit)
     throw Unsupported("integrator.type", "not supported by guest " + traits_.name, "semi-implicit",
-                     "explicit");
+                      "explicit");
   if (!process_.running()) start();  // after a failure: a new one, with nothing of the old
   scene_ = &scene;
   particles_ = state.particles.size();

@@ -29,8 +29,8 @@ void require(const Scene& scene, const Solver& reference, const Solver& subject,
     const SolverTraits& traits = solver->traits();
     if (scene.semi_implicit() ? !traits.semi_implicit : !traits.explicit_euler)
       throw Unsupported("scene " + scene.name, "integrator type not supported by " + traits.name,
-                       scene.semi_implicit() ? "semi-implicit" : "explicit",
-                       scene.semi_implicit() ? "explicit" : "semi-implicit");
+                        scene.semi_implicit() ? "semi-implicit" : "explicit",
+                        scene.semi_implicit() ? "explicit" : "semi-implicit");
     const std::vector<Stage>& stops = traits.stops;
     if (stops.empty() || stops.back() != Stage::positions ||
         !std::is_sorted(stops.begin(), stops.end()))
